@@ -1,0 +1,172 @@
+"""MKL PARDISO through a thin ctypes layer.
+
+``pypardiso`` finds the library; its own ``solve`` checks and hashes the matrix at every call,
+which costs as much as the solve itself, and does not offer the partial phases. Phases used
+(Intel oneMKL, "Phases of PARDISO"): 12 analysis and factorisation, 33 solve, 331 forward and
+333 backward substitution, which stop at and start from the Schur complement (iparm(36) = 2),
+-1 release.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sparse
+from pypardiso import PyPardisoSolver
+
+from solver.arrays import FloatArray, IntVector, Matrix, SparseMatrix, Vector
+from solver.errors import SingularSystemError
+
+__all__ = ["PardisoCondensation", "PardisoFactorisation"]
+
+_POSITIVE_DEFINITE = 2
+_ZERO_PIVOT = -4
+_OUT_OF_MEMORY = -2
+
+
+def _library() -> Any:
+    """A handle of our own: pypardiso's declares argument types that exclude plain addresses."""
+    library = ctypes.CDLL(PyPardisoSolver(mtype=_POSITIVE_DEFINITE).libmkl._name)
+    library.pardiso.restype = None
+    return library
+
+
+def _address(array: FloatArray | IntVector) -> ctypes.c_void_p:
+    return array.ctypes.data_as(ctypes.c_void_p)
+
+
+class _Handle:
+    """One PARDISO instance: the upper triangle, the settings, the call."""
+
+    def __init__(self, matrix: SparseMatrix, interface: IntVector | None, part: str) -> None:
+        upper = sparse.triu(matrix, format="csr")
+        upper.sort_indices()
+        self.n_dof = int(upper.shape[0])
+        self._part = part
+        self._values = np.ascontiguousarray(upper.data, dtype=np.float64)
+        self._rows = (upper.indptr + 1).astype(np.int32)
+        self._columns = (upper.indices + 1).astype(np.int32)
+        self._memory = np.zeros(64, dtype=np.int64)
+        self.settings = np.zeros(64, dtype=np.int32)
+        self.settings[0] = 1  # our settings, not the defaults
+        self.settings[1] = 2  # nested dissection
+        self.settings[17] = -1  # report the entries of the factor
+        self._selection = np.zeros(self.n_dof, dtype=np.int32)
+        if interface is not None:
+            self.settings[35] = 2  # Schur complement with partial substitutions
+            self._selection[interface] = 1
+        self._library = _library()
+        self._nothing = np.zeros(1)
+        weakref.finalize(self, _release, self._library, self._memory, self.settings, self.n_dof)
+
+    def call(self, phase: int, load: FloatArray, solution: FloatArray, n_load: int = 1) -> None:
+        """One PARDISO call; arrays must be contiguous, several loads one after the other."""
+        error = _pardiso_call(
+            self._library, self._memory, self.settings, phase, self.n_dof,
+            (self._values, self._rows, self._columns, self._selection), n_load, load, solution,
+        )  # fmt: skip
+        if error == _ZERO_PIVOT:
+            raise SingularSystemError(self._part, "its stiffness is not positive definite")
+        if error == _OUT_OF_MEMORY:
+            raise MemoryError(f"not enough memory to factorise {self._part}")
+        if error:
+            raise SingularSystemError(self._part, f"the factorisation ended with code {error}")
+
+    @property
+    def memory_bytes(self) -> int:
+        """Memory of the factor, as PARDISO reports it. [B]"""
+        return 1024 * int(self.settings[16] + self.settings[15])
+
+
+def _pardiso_call(
+    library: Any,
+    memory: IntVector,
+    settings: Any,
+    phase: int,
+    n_dof: int,
+    arrays: tuple[Any, Any, Any, Any],
+    n_load: int,
+    load: FloatArray,
+    solution: FloatArray,
+) -> int:
+    """Calls ``pardiso`` and returns its error code."""
+    one = ctypes.byref(ctypes.c_int(1))
+    error = ctypes.c_int(0)
+    values, rows, columns, selection = arrays
+    library.pardiso(
+        _address(memory), one, one,
+        ctypes.byref(ctypes.c_int(_POSITIVE_DEFINITE)),
+        ctypes.byref(ctypes.c_int(phase)),
+        ctypes.byref(ctypes.c_int(n_dof)),
+        _address(values), _address(rows), _address(columns), _address(selection),
+        ctypes.byref(ctypes.c_int(n_load)),
+        _address(settings),
+        ctypes.byref(ctypes.c_int(0)),
+        _address(load), _address(solution),
+        ctypes.byref(error),
+    )  # fmt: skip
+    return error.value
+
+
+def _release(library: Any, memory: IntVector, settings: Any, n_dof: int) -> None:
+    """Gives the factor's memory back when its owner is collected."""
+    nothing = np.zeros(1)
+    integers = np.zeros(1, dtype=np.int32)
+    arrays = (nothing, integers, integers, integers)
+    _pardiso_call(library, memory, settings, -1, n_dof, arrays, 1, nothing, nothing)
+
+
+class PardisoFactorisation:
+    """A factorised matrix; see ``solver.factorisation.sparse`` for the contract."""
+
+    def __init__(self, matrix: SparseMatrix, part: str) -> None:
+        self._handle = _Handle(matrix, None, part)
+        nothing = np.zeros(1)
+        self._handle.call(12, nothing, nothing)
+
+    def solve(self, load: FloatArray) -> FloatArray:
+        """Solution for one load (n_dof,) or several (n_dof, n_load)."""
+        columns = np.asfortranarray(load, dtype=np.float64)
+        solution = np.zeros(columns.shape, order="F")
+        n_load = 1 if columns.ndim == 1 else columns.shape[1]
+        self._handle.call(33, columns, solution, n_load)
+        return solution
+
+
+class PardisoCondensation:
+    """A matrix condensed on its interface; see ``solver.factorisation.sparse``."""
+
+    complement: Matrix
+    memory_bytes: int
+
+    def __init__(self, matrix: SparseMatrix, interface: IntVector, part: str) -> None:
+        # PARDISO returns the complement in ascending order of the indices.
+        order = np.argsort(interface, kind="stable")
+        rank = np.empty_like(order)
+        rank[order] = np.arange(order.size)
+        self._interface = interface
+        self._handle = _Handle(matrix, interface, part)
+        complement = np.zeros((interface.size, interface.size))
+        nothing = np.zeros(1)
+        self._handle.call(11, nothing, nothing)
+        self._handle.call(22, nothing, complement)
+        # The two triangles may differ in the last bits: keep the matrix exactly symmetric.
+        complement = 0.5 * (complement + complement.T)
+        self.complement = np.ascontiguousarray(complement[np.ix_(rank, rank)])
+        self.memory_bytes = self._handle.memory_bytes
+        self._forward = np.zeros(self._handle.n_dof)
+        self._solution = np.zeros(self._handle.n_dof)
+
+    def forward(self, load: Vector) -> Vector:
+        """Load condensed on the interface; see the contract."""
+        self._handle.call(331, np.ascontiguousarray(load), self._forward)
+        return self._forward[self._interface]
+
+    def backward(self, interface: Vector) -> Vector:
+        """All unknowns; the array returned is overwritten by the next call."""
+        self._forward[self._interface] = interface
+        self._handle.call(333, self._forward, self._solution)
+        return self._solution

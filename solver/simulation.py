@@ -1,0 +1,178 @@
+"""One run: system, integrator and recorder, one step at a time.
+
+``Simulation.samples`` is a generator: the caller owns progress, cancellation, storage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solver.arrays import SparseMatrix, Vector
+from solver.errors import UnstableError
+from solver.integrators import HHT, HHTIntegrator, Motion
+from solver.results import Frame, RunPlan, Sample
+from solver.system import Coefficients, EffectiveSystem, System
+from solver.system.statics import StaticState, static_state
+
+__all__ = ["Extremes", "Observation", "Simulation", "effective_coefficients"]
+
+LINES, TRAIN, STRUCTURE = 0, 1, 2
+"""Order of the parts' motions."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Observation:
+    """What is read from the motions, as sparse rows.
+
+    Attributes:
+        deck: Vertical displacement of the deck's channels, from the deck's freedoms.
+        slab: Vertical displacement of the slab points, from the deck's freedoms.
+        surface: Displacement of the structure's vertices, (3 n_vertex, n_dof), from the deck's.
+        rails: Vertical displacement of the rails' vertices, from the lines' freedoms flattened.
+        bearings: Tension in the bearings, from the deck's freedoms. [N/m]
+        cars: Vertical displacement of the train's channels, from the train's freedoms.
+        bodies: Bounce, roll, pitch of the bodies, (3 n_body, n_dof).
+        deck_part: Index of the part that the deck is: STRUCTURE, or LINES for a plain beam.
+    """
+
+    deck: SparseMatrix
+    slab: SparseMatrix
+    surface: SparseMatrix
+    rails: SparseMatrix
+    bearings: SparseMatrix
+    cars: SparseMatrix
+    bodies: SparseMatrix
+    deck_part: int
+
+
+def effective_coefficients(method: HHT) -> Coefficients:
+    """Coefficients of the effective equation (4.18) for a method."""
+    return Coefficients(
+        mass=method.a0,
+        damping=method.force_factor * method.a1,
+        stiffness=method.force_factor,
+        force=method.force_factor,
+        memory=method.alpha,
+    )
+
+
+class Extremes:
+    """Least and greatest value of every channel since the window opened.
+
+    Attributes:
+        least: Shape (n_channel,).
+        greatest: Shape (n_channel,).
+        time_of_least: Shape (n_channel,). [s]
+        time_of_greatest: Shape (n_channel,). [s]
+    """
+
+    def __init__(self, n_channel: int) -> None:
+        self.least = np.full(n_channel, np.inf)
+        self.greatest = np.full(n_channel, -np.inf)
+        self.time_of_least = np.zeros(n_channel)
+        self.time_of_greatest = np.zeros(n_channel)
+
+    def add(self, values: Vector, time: float) -> None:
+        """Takes one step's values."""
+        lower, higher = values < self.least, values > self.greatest
+        self.time_of_least[lower] = time
+        self.time_of_greatest[higher] = time
+        np.minimum(self.least, values, out=self.least)
+        np.maximum(self.greatest, values, out=self.greatest)
+
+
+class Simulation:
+    """One time integration.
+
+    Args:
+        plan: What is known before the first step.
+        system: Train, rails, structure; the train's freedoms are then counted from its rest.
+        method: Time integration.
+        observation: What is recorded.
+    """
+
+    def __init__(
+        self, plan: RunPlan, system: System, method: HHT, observation: Observation
+    ) -> None:
+        self.plan = plan
+        self.method = method
+        self._observation = observation
+        self.static = static_state(system)
+        self.system = replace(system, train=system.train.from_rest(self.static.train))
+        self.effective = EffectiveSystem(self.system, effective_coefficients(method))
+        self.integrator = HHTIntegrator(method, self.effective, _motions(self.static))
+        state = self.effective.state
+        state.contact_forces = self.static.contact_forces
+        state.pad_forces = self.static.pad_forces
+        self._dead_load = np.zeros(observation.bearings.shape[0])
+        if self.static.dead_load is not None:
+            self._dead_load = observation.bearings @ self.static.dead_load
+        self.extremes = Extremes(len(plan.channels))
+
+    @property
+    def time(self) -> float:
+        """Time after ``n_step`` steps. [s]"""
+        return self.plan.n_step * self.plan.time_step
+
+    def __iter__(self) -> Iterator[Sample]:
+        return self.samples()
+
+    def samples(self) -> Iterator[Sample]:
+        """The static start and every step after it, ``plan.n_sample`` in all.
+
+        Raises:
+            UnstableError: The response is not finite.
+            ConvergenceError: No admissible contact state.
+        """
+        yield self._sample(0)
+        for step in range(1, self.plan.n_step + 1):
+            self.integrator.advance(step * self.plan.time_step)
+            yield self._sample(step)
+
+    def _sample(self, step: int) -> Sample:
+        observation, motions = self._observation, self.integrator.motions
+        deck, train = motions[observation.deck_part], self.system.train
+        time = step * self.plan.time_step
+        acceleration = deck.acceleration.ravel()
+        channels = np.concatenate(
+            [
+                observation.deck @ acceleration,
+                observation.deck @ deck.displacement.ravel(),
+                self.effective.state.contact_forces,
+                train.wheel_rest + train.wheel_rows @ motions[TRAIN].displacement,
+                observation.cars @ motions[TRAIN].acceleration,
+                observation.cars @ motions[TRAIN].displacement,
+                observation.bearings @ deck.displacement.ravel() + self._dead_load,
+            ]
+        )
+        if not np.isfinite(channels).all():
+            raise UnstableError(time, "a recorded channel")
+        if time >= self.plan.window_start:
+            self.extremes.add(channels, time)
+        frame = self._frame() if step % self.plan.frame_stride == 0 else None
+        return Sample(
+            step=step,
+            time=time,
+            channels=channels,
+            slab=observation.slab @ acceleration,
+            frame=frame,
+        )
+
+    def _frame(self) -> Frame:
+        observation, motions = self._observation, self.integrator.motions
+        deck = motions[observation.deck_part].displacement.ravel()
+        surface = np.asarray(observation.surface @ deck).reshape(-1, 3)
+        rails = np.zeros((observation.rails.shape[0], 3))
+        rails[:, 2] = observation.rails @ motions[LINES].displacement.ravel()
+        bodies = np.asarray(observation.bodies @ motions[TRAIN].displacement).reshape(-1, 3)
+        return Frame(displacement=np.concatenate([surface, rails]), bodies=bodies)
+
+
+def _motions(static: StaticState) -> list[Motion]:
+    motions = [Motion.at_rest(static.lines), Motion.at_rest(np.zeros_like(static.train))]
+    if static.structure is not None:
+        motions.append(Motion.at_rest(static.structure))
+    return motions

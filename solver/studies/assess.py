@@ -1,0 +1,136 @@
+"""From the histories of a run to verdicts, peaks and filtered curves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.arrays import IntVector, Matrix, Vector
+from solver.irregularities import describe
+from solver.models.beam_bridge import BeamBridge
+from solver.results import RunPlan
+from solver.simulation import Extremes
+from solver.standards.deck_acceleration import CutOff, decide, eurocode_cut_off
+from solver.standards.low_pass import low_pass
+from solver.standards.verdict import Scope
+from solver.studies.study import Study
+
+__all__ = ["Assessment", "assess"]
+
+SlabBlocks = Callable[[], Iterable[tuple[IntVector, Matrix]]]
+"""Gives the slab's histories in blocks: point indices (n,), accelerations (n_sample, n)."""
+PointHistory = Callable[[int], Vector]
+"""Gives the acceleration history of one slab point, shape (n_sample,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Assessment:
+    """What a finished run says.
+
+    Attributes:
+        verdicts: Plain JSON, one criterion each.
+        unjudged: Why there is no verdict, else empty.
+        cut_off: Of the filtered histories, 0 without. [Hz]
+        filtered: Low-pass filtered acceleration of each named point, shape (n_sample,). [m/s2]
+        peaks: Extremes of each channel since the window opened, plain JSON.
+    """
+
+    verdicts: tuple[dict[str, object], ...]
+    unjudged: str
+    cut_off: float
+    filtered: dict[str, Vector]
+    peaks: dict[str, dict[str, float]]
+
+
+def assess(
+    study: Study,
+    plan: RunPlan,
+    extremes: Extremes,
+    slab_blocks: SlabBlocks,
+    point_history: PointHistory,
+) -> Assessment:
+    """Judges a finished run.
+
+    Args:
+        study: The study.
+        plan: The run's plan.
+        extremes: Extremes of the channels, from the simulation.
+        slab_blocks: The slab's histories, in blocks that bound the memory.
+        point_history: The history of one slab point.
+
+    Returns:
+        The assessment.
+    """
+    peaks = _peaks(plan, extremes)
+    if isinstance(study.viaduct, BeamBridge):
+        return Assessment(
+            verdicts=(),
+            unjudged=(
+                "Not judged: a plain beam is no ballasted deck, "
+                "EN 1990:2002/A1 A2.4.4.2.1(4) does not apply."
+            ),
+            cut_off=0.0,
+            filtered={},
+            peaks=peaks,
+        )
+    cut_off = _cut_off(study, plan)
+    offset = study.integration.alpha * plan.time_step
+    verdict = decide(
+        slab_blocks(),
+        slab=plan.slab,
+        times=np.arange(plan.n_sample) * plan.time_step + offset,
+        window_start=plan.window_start,
+        cut_off=cut_off,
+        scope=Scope(
+            train=study.train.name,
+            speed=plan.speed,
+            irregularity=describe(study.irregularity),
+            mesh_level=study.mesh_level,
+        ),
+        line_speed=study.line_speed or None,
+        highest_speed=max(study.sweep.speeds),
+        bearings_in_tension=_bearings_in_tension(plan, extremes),
+    )
+    filtered = {
+        name: low_pass(point_history(index)[:, None], plan.time_step, cut_off.frequency)[:, 0]
+        for name, index in plan.slab.named.items()
+    }
+    return Assessment(
+        verdicts=(verdict.to_dict(),),
+        unjudged="",
+        cut_off=cut_off.frequency,
+        filtered=filtered,
+        peaks=peaks,
+    )
+
+
+def _cut_off(study: Study, plan: RunPlan) -> CutOff:
+    """The user's cut-off, or the standard's."""
+    chosen = study.outputs.cut_off_frequency
+    if chosen > 0.0:
+        return CutOff(frequency=chosen, origin="chosen by the user")
+    first, _, third = plan.facts["member_frequencies"]  # type: ignore[misc]
+    return eurocode_cut_off(first, third)
+
+
+def _peaks(plan: RunPlan, extremes: Extremes) -> dict[str, dict[str, float]]:
+    return {
+        channel.name: {
+            "least": float(extremes.least[index]),
+            "time_of_least": float(extremes.time_of_least[index] + channel.time_offset),
+            "greatest": float(extremes.greatest[index]),
+            "time_of_greatest": float(extremes.time_of_greatest[index] + channel.time_offset),
+        }
+        for index, channel in enumerate(plan.channels)
+        if np.isfinite(extremes.least[index])
+    }
+
+
+def _bearings_in_tension(plan: RunPlan, extremes: Extremes) -> tuple[str, ...]:
+    return tuple(
+        channel.name.split("/")[0]
+        for index, channel in enumerate(plan.channels)
+        if channel.group == "bearing" and extremes.greatest[index] > 0.0
+    )

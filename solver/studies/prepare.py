@@ -1,0 +1,101 @@
+"""From a study to a simulation that is ready to take its first step."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.errors import InputError
+from solver.factorisation import back_end_name
+from solver.integrators import HHT
+from solver.irregularities import describe
+from solver.models.beam_bridge import BeamBridge
+from solver.results import RunPlan
+from solver.simulation import Simulation
+from solver.studies.crossing import crossing
+from solver.studies.member_modes import member_frequencies
+from solver.studies.observe import Recording, record
+from solver.studies.scene import Report, Scene, build_scene
+from solver.studies.study import Study
+
+__all__ = ["prepare", "runs_of"]
+
+
+def runs_of(study: Study) -> tuple[dict[str, float], ...]:
+    """Parameters of each run of the sweep: ``{"speed": ...}`` in m/s."""
+    return tuple({"speed": speed} for speed in study.sweep.speeds)
+
+
+def prepare(study: Study, run_index: int = 0, report: Report = lambda stage: None) -> Simulation:
+    """Builds the models of one run, factorises, and finds the static start.
+
+    Args:
+        study: The study; ``check`` it first.
+        run_index: Which point of the sweep.
+        report: Told the name of each stage as it begins.
+
+    Returns:
+        The simulation.
+
+    Raises:
+        InputError: The parts do not fit together, or there is no such run.
+        SingularSystemError: Something can move without resistance.
+    """
+    runs = runs_of(study)
+    if not 0 <= run_index < len(runs):
+        raise InputError(
+            "run_index", run_index, f"the study has runs 0 to {len(runs) - 1}", "Choose one."
+        )
+    speed = runs[run_index]["speed"]
+    extent = crossing(study, speed)
+    method = HHT(study.integration.alpha, study.integration.time_step)
+    scene = build_scene(study, extent, speed, report)
+    recording = record(study, scene, method.alpha * method.time_step)
+    facts = _facts(study, scene, recording, report)
+    step = method.time_step
+    plan = RunPlan(
+        n_step=extent.n_step,
+        time_step=step,
+        speed=speed,
+        start_position=extent.start,
+        window_start=extent.window_start,
+        channels=recording.channels,
+        slab=recording.slab,
+        geometry=recording.geometry,
+        frame_stride=max(1, round(study.outputs.frame_interval / step)),
+        facts=facts,
+    )
+    report("factorising and finding the static start")
+    return Simulation(plan, scene.system, method, recording.observation)
+
+
+def _facts(study: Study, scene: Scene, recording: Recording, report: Report) -> dict[str, object]:
+    """What the summary says about the model, in SI units and plain words."""
+    line, structure = scene.system.line, scene.structure
+    facts: dict[str, object] = {
+        "train": study.train.name,
+        "irregularity": describe(study.irregularity),
+        "unknowns_structure": 0 if structure is None else int(structure.mass.shape[0]),
+        "unknowns_rails": int(line.n_dof * line.n_line),
+        "unknowns_train": int(scene.train.n_dof),
+        "wheels": len(scene.train.wheel_names),
+        "static_wheel_load": _static_load(scene),
+        "back_end": back_end_name(),
+        "live_channels": list(recording.live),
+    }
+    if isinstance(study.viaduct, BeamBridge):
+        return facts
+    assert structure is not None
+    report("finding the natural frequencies of the deciding span")
+    facts["mesh_level"] = study.mesh_level
+    facts["approach_bed_stiffness"] = scene.bed_stiffness
+    facts["member_frequencies"] = member_frequencies(structure, recording.slab.judged_spans)
+    return facts
+
+
+def _static_load(scene: Scene) -> float:
+    """Mean static load of a wheel. [N]"""
+    return float(-np.sum(_weights(scene)) / len(scene.train.wheel_names))
+
+
+def _weights(scene: Scene) -> list[float]:
+    return [-9.81 * body.mass for body in scene.train.bodies]
