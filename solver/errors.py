@@ -1,10 +1,10 @@
 """Every error that the solver raises on purpose.
 
-    SolverError
-    |-- InputError             a value that cannot be used: field, value, reason, remedy
-    |-- SingularSystemError    a structure or train that can move without resistance
-    |-- ConvergenceError       the contact search found no state: time, wheel, residual
-    `-- UnstableError          the response grew beyond anything physical: time, quantity
+SolverError
+|-- InputError             a value that cannot be used: field, value, reason, remedy
+|-- SingularSystemError    a structure or train that can move without resistance
+|-- ConvergenceError       the contact search found no state: time, wheel, residual
+`-- UnstableError          the response grew beyond anything physical: time, quantity
 """
 
 from __future__ import annotations

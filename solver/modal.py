@@ -25,6 +25,9 @@ __all__ = [
     "rayleigh_damping_ratios",
 ]
 
+_LIKE = 0.8
+"""Assurance criterion from which a mode bears a target's name."""
+
 
 def modes(
     stiffness: SparseMatrix, mass: SparseMatrix, count: int, shift: float = 0.0
@@ -69,13 +72,13 @@ def assurance(first: Matrix, second: Matrix) -> Matrix:
         second: Shapes in columns, shape (n_point, m).
 
     Returns:
-        Between 0 and 1, shape (n, m).
+        Between 0 and 1, shape (n, m); 0 where a shape is at rest.
 
     References:
         Neves (2016), equation 7.1.
     """
     norms = np.outer(np.sum(first**2, axis=0), np.sum(second**2, axis=0))
-    return (first.T @ second) ** 2 / norms
+    return np.divide((first.T @ second) ** 2, norms, out=np.zeros_like(norms), where=norms > 0.0)
 
 
 def rayleigh_damping_ratios(
@@ -205,14 +208,15 @@ def identify(
     points: DeckPoints,
     targets: Sequence[GlobalShape],
 ) -> tuple[IntVector, Vector]:
-    """Finds the mode that is most like each target shape, over the points of its own span.
+    """Finds the mode that a target shape names, over the points of the target's own span.
 
-    Neighbouring spans are coupled by track and rails, and spans of equal length share their modes:
-    so only the span's own points count, and a mode whose greatest motion is elsewhere is passed
-    over by weighing the likeness with the span's share of the motion.
+    It is the lowest mode that moves this span more than any other and looks like the target there
+    (assurance criterion of at least 0.8); failing that, the likest of all, weighed by the span's
+    share of the motion. Only the own span counts, because spans of equal length share their modes
+    through track and rails.
 
     Args:
-        shapes: Shape (n_dof, n_mode).
+        shapes: In ascending order of frequency, shape (n_dof, n_mode).
         displacement_operator: Translations of the nodes, shape (3 n_node, n_dof).
         points: Where to look.
         targets: What to look for.
@@ -222,13 +226,17 @@ def identify(
         shapes (n_target,).
     """
     vertical = displacement_operator[3 * points.nodes + 2] @ shapes
+    spans = np.unique(points.span)
+    motion = np.array([np.sum(vertical[points.span == span] ** 2, axis=0) for span in spans])
+    dominant = spans[np.argmax(motion, axis=0)]
+    share = motion / np.sum(motion, axis=0)
     chosen, likeness = [], []
     for target in targets:
         own = points.span == target.span
-        wanted = _target(target, points)[own, None]
-        criterion = assurance(wanted, vertical[own])[0]
-        share = np.sum(vertical[own] ** 2, axis=0) / np.sum(vertical**2, axis=0)
-        best = int(np.argmax(criterion * np.sqrt(share)))
+        criterion = assurance(_target(target, points)[own, None], vertical[own])[0]
+        named = np.flatnonzero((criterion >= _LIKE) & (dominant == target.span))
+        weighed = criterion * np.sqrt(share[spans == target.span][0])
+        best = int(named[0]) if len(named) else int(np.argmax(weighed))
         chosen.append(best)
         likeness.append(float(criterion[best]))
     return np.array(chosen), np.array(likeness)

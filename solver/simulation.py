@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solver.arrays import SparseMatrix, Vector
-from solver.errors import UnstableError
+from solver.errors import InputError, UnstableError
 from solver.integrators import HHT, HHTIntegrator, Motion
 from solver.results import Frame, RunPlan, Sample
 from solver.system import Coefficients, EffectiveSystem, System
@@ -92,6 +92,10 @@ class Simulation:
         system: Train, rails, structure; the train's freedoms are then counted from its rest.
         method: Time integration.
         observation: What is recorded.
+
+    Raises:
+        SingularSystemError: Train or structure can move without resistance.
+        InputError: A wheel that may leave its rail would have to be pulled onto it at the start.
     """
 
     def __init__(
@@ -101,6 +105,8 @@ class Simulation:
         self.method = method
         self._observation = observation
         self.static = static_state(system)
+        if system.unilateral:
+            _refuse_tension(plan, self.static.contact_forces)
         self.system = replace(system, train=system.train.from_rest(self.static.train))
         self.effective = EffectiveSystem(self.system, effective_coefficients(method))
         self.integrator = HHTIntegrator(method, self.effective, _motions(self.static))
@@ -111,26 +117,26 @@ class Simulation:
         if self.static.dead_load is not None:
             self._dead_load = observation.bearings @ self.static.dead_load
         self.extremes = Extremes(len(plan.channels))
-
-    @property
-    def time(self) -> float:
-        """Time after ``n_step`` steps. [s]"""
-        return self.plan.n_step * self.plan.time_step
+        self._step = 0
 
     def __iter__(self) -> Iterator[Sample]:
         return self.samples()
 
     def samples(self) -> Iterator[Sample]:
-        """The static start and every step after it, ``plan.n_sample`` in all.
+        """The present state and every step after it.
+
+        On a fresh simulation these are the static start and all steps, ``plan.n_sample`` in all;
+        iterated again, it goes on from where it stands.
 
         Raises:
             UnstableError: The response is not finite.
             ConvergenceError: No admissible contact state.
         """
-        yield self._sample(0)
-        for step in range(1, self.plan.n_step + 1):
-            self.integrator.advance(step * self.plan.time_step)
-            yield self._sample(step)
+        yield self._sample(self._step)
+        while self._step < self.plan.n_step:
+            self.integrator.advance((self._step + 1) * self.plan.time_step)
+            self._step += 1
+            yield self._sample(self._step)
 
     def _sample(self, step: int) -> Sample:
         observation, motions = self._observation, self.integrator.motions
@@ -150,7 +156,8 @@ class Simulation:
         )
         if not np.isfinite(channels).all():
             raise UnstableError(time, "a recorded channel")
-        if time >= self.plan.window_start:
+        # Half a step of slack, as the verdict takes it: a sample on the window's edge is inside.
+        if time > self.plan.window_start - 0.5 * self.plan.time_step:
             self.extremes.add(channels, time)
         frame = self._frame() if step % self.plan.frame_stride == 0 else None
         return Sample(
@@ -169,6 +176,19 @@ class Simulation:
         rails[:, 2] = observation.rails @ motions[LINES].displacement.ravel()
         bodies = np.asarray(observation.bodies @ motions[TRAIN].displacement).reshape(-1, 3)
         return Frame(displacement=np.concatenate([surface, rails]), bodies=bodies)
+
+
+def _refuse_tension(plan: RunPlan, contact_forces: Vector) -> None:
+    """The static start is found with every wheel on its rail: none may need pulling down."""
+    least = int(np.argmin(contact_forces))
+    if contact_forces[least] < -1e-9 * np.abs(contact_forces).max():
+        raise InputError(
+            "contact.unilateral",
+            True,
+            f"{plan.geometry.wheels.names[least]} would have to be pulled onto its rail with "
+            f"{-1e-3 * contact_forces[least]:.3g} kN at the static start",
+            "Check the train's masses and lengths, or let the contact pull (unilateral: false).",
+        )
 
 
 def _motions(static: StaticState) -> list[Motion]:

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from solver.arrays import FloatArray, IntArray, IntVector, SparseMatrix
+from solver.arrays import FloatArray, IntArray, IntVector, SparseMatrix, Vector
 from solver.errors import InputError
 
 __all__ = ["Combination", "Transformation", "eliminate"]
 
-_LONGEST_CHAIN = 4
+_DOUBLINGS = 4
 """Doublings that resolve freedoms that follow freedoms; 2^4 links are more than any mesh has."""
 
 
@@ -64,9 +64,7 @@ class Transformation:
         return symmetric
 
 
-def eliminate(
-    count: int, held: IntVector, combinations: Sequence[Combination]
-) -> Transformation:
+def eliminate(count: int, held: IntVector, combinations: Sequence[Combination]) -> Transformation:
     """Builds the transformation from supports and combinations.
 
     A combination may follow freedoms that themselves follow others, or are held.
@@ -90,13 +88,12 @@ def eliminate(
     free = np.ones(count, dtype=np.bool_)
     free[constrained] = False
     step = _one_step(count, np.flatnonzero(free), combinations)
-    for _ in range(_LONGEST_CHAIN):
-        remaining = abs(step[:, dependent]).sum(axis=0)
-        if not np.any(remaining):
+    for _ in range(_DOUBLINGS):
+        if step[:, dependent].nnz == 0:
             break
         step = step @ step
-    else:
-        raise _conflict(dependent[remaining > 0.0], "follows itself")
+    if step[:, dependent].nnz:
+        raise _conflict(dependent[np.unique(step[:, dependent].nonzero()[1])], "follows itself")
     return Transformation(
         matrix=step[:, np.flatnonzero(free)].tocsr(),
         position=np.where(free, np.cumsum(free) - 1, -1),
@@ -105,7 +102,8 @@ def eliminate(
 
 def _one_step(count: int, free: IntVector, combinations: Sequence[Combination]) -> SparseMatrix:
     """Each freedom by the ones it follows directly; a free one by itself, a held one by none."""
-    rows, columns, values = [free], [free], [np.ones(len(free))]
+    rows, columns = [free], [free]
+    values: list[Vector] = [np.ones(len(free))]
     for combination in combinations:
         used = combination.weights != 0.0
         rows.append(np.broadcast_to(combination.dependent[:, None], used.shape)[used])

@@ -17,15 +17,22 @@ import numpy as np
 from scipy.linalg import lapack
 
 from solver.arrays import BoolVector, Matrix, Vector
-from solver.errors import SingularSystemError
+from solver.errors import ConvergenceError, SingularSystemError
 
 __all__ = ["solve_contact"]
 
 _BLOCK_TRIES = 10
+"""Blocks flipped without progress before Murty's rule takes over."""
+_MOST_SOLVES = 10_000
+"""Far beyond what any order of flips needs: only rounding could keep the search from ending."""
 
 
 def solve_contact(
-    compliance: Matrix, approach: Vector, closed: BoolVector, unilateral: bool
+    compliance: Matrix,
+    approach: Vector,
+    closed: BoolVector,
+    unilateral: bool,
+    time: float = 0.0,
 ) -> tuple[Vector, BoolVector, int]:
     """Contact forces and statuses at the end of a step.
 
@@ -36,12 +43,14 @@ def solve_contact(
             (n_wheel,). [m]
         closed: Which wheels touched at the last step, the first guess, shape (n_wheel,).
         unilateral: Whether contact may open; if not, forces may be tension.
+        time: At the end of the step, for the error message. [s]
 
     Returns:
         Contact forces [N], which wheels touch, number of small solves.
 
     Raises:
         SingularSystemError: The compliance is not positive definite.
+        ConvergenceError: No set of touching wheels fits, which only rounding can bring about.
     """
     if not unilateral:
         everywhere = np.ones_like(closed)
@@ -52,6 +61,9 @@ def solve_contact(
         forces = _forces(compliance, approach, closed)
         solves += 1
         wrong = _wrong(compliance, approach, forces, closed)
+        if solves >= _MOST_SOLVES:
+            wheel = int(np.argmax(wrong))
+            raise ConvergenceError(time, str(wheel + 1), float(forces[wheel]))
         n_wrong = int(np.count_nonzero(wrong))
         if n_wrong == 0:
             return forces, closed, solves

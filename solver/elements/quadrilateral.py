@@ -22,7 +22,7 @@ def shape_functions(point: Vector) -> Vector:
 def natural_gradient(point: Vector) -> Matrix:
     """Derivatives of the shape functions by xi (row 0) and eta (row 1), shape (2, 4)."""
     factors = 1.0 + SQUARE_CORNERS * point
-    return np.array([SQUARE_CORNERS[:, 0] * factors[:, 1], SQUARE_CORNERS[:, 1] * factors[:, 0]]) / 4.0
+    return SQUARE_CORNERS.T * factors.T[::-1] / 4.0
 
 
 def jacobian(local: FloatArray, point: Vector) -> FloatArray:

@@ -1,8 +1,8 @@
 """Flat four-node shell: MITC4 plate, membrane with incompatible modes, drilling penalty.
 
-Six freedoms a node, in global axes. The rotation about the normal (drilling) has neither mass nor a
-physical stiffness: a weak penalty ties it to the membrane's mean rotation. It is a separate function
-because it must not be damped.
+Six freedoms a node, in global axes. The rotation about the normal (drilling) has neither mass nor
+a physical stiffness: a weak penalty ties it to the membrane's mean rotation. It is a function of
+its own because it must not be damped.
 
 References:
     Hughes and Brezzi (1989), On drilling degrees of freedom, Computer Methods in Applied Mechanics

@@ -18,13 +18,17 @@ import scipy.sparse as sparse
 from pypardiso import PyPardisoSolver
 
 from solver.arrays import FloatArray, IntVector, Matrix, SparseMatrix, Vector
-from solver.errors import SingularSystemError
+from solver.errors import SingularSystemError, SolverError
+from solver.factorisation.soundness import (
+    require_accuracy,
+    require_positive_diagonal,
+    solve_complement,
+)
 
 __all__ = ["PardisoCondensation", "PardisoFactorisation"]
 
 _POSITIVE_DEFINITE = 2
-_ZERO_PIVOT = -4
-_OUT_OF_MEMORY = -2
+_OUT_OF_MEMORY, _ZERO_PIVOT, _SINGULAR_DIAGONAL, _INTEGER_OVERFLOW = -2, -4, -7, -8
 
 
 def _library() -> Any:
@@ -32,6 +36,13 @@ def _library() -> Any:
     library = ctypes.CDLL(PyPardisoSolver(mtype=_POSITIVE_DEFINITE).libmkl._name)
     library.pardiso.restype = None
     return library
+
+
+def _loads(load: FloatArray, n_dof: int) -> FloatArray:
+    """Loads as PARDISO reads them; a wrong length would let it read beyond the array."""
+    if load.shape[0] != n_dof:
+        raise ValueError(f"a load of {load.shape[0]} entries for {n_dof} unknowns")
+    return np.asfortranarray(load, dtype=np.float64)
 
 
 def _address(array: FloatArray | IntVector) -> ctypes.c_void_p:
@@ -42,6 +53,7 @@ class _Handle:
     """One PARDISO instance: the upper triangle, the settings, the call."""
 
     def __init__(self, matrix: SparseMatrix, interface: IntVector | None, part: str) -> None:
+        require_positive_diagonal(matrix, part)
         upper = sparse.triu(matrix, format="csr")
         upper.sort_indices()
         self.n_dof = int(upper.shape[0])
@@ -68,12 +80,15 @@ class _Handle:
             self._library, self._memory, self.settings, phase, self.n_dof,
             (self._values, self._rows, self._columns, self._selection), n_load, load, solution,
         )  # fmt: skip
-        if error == _ZERO_PIVOT:
+        if error in (_ZERO_PIVOT, _SINGULAR_DIAGONAL):
             raise SingularSystemError(self._part, "its stiffness is not positive definite")
-        if error == _OUT_OF_MEMORY:
+        if error in (_OUT_OF_MEMORY, _INTEGER_OVERFLOW):
             raise MemoryError(f"not enough memory to factorise {self._part}")
         if error:
-            raise SingularSystemError(self._part, f"the factorisation ended with code {error}")
+            raise SolverError(
+                f"MKL PARDISO could not treat {self._part} (phase {phase}, code {error}). Check "
+                "its matrices for values that are not numbers, or use SuperLU (without pypardiso)."
+            )
 
     @property
     def memory_bytes(self) -> int:
@@ -126,10 +141,11 @@ class PardisoFactorisation:
         self._handle = _Handle(matrix, None, part)
         nothing = np.zeros(1)
         self._handle.call(12, nothing, nothing)
+        require_accuracy(matrix, self.solve, part)
 
     def solve(self, load: FloatArray) -> FloatArray:
         """Solution for one load (n_dof,) or several (n_dof, n_load)."""
-        columns = np.asfortranarray(load, dtype=np.float64)
+        columns = _loads(load, self._handle.n_dof)
         solution = np.zeros(columns.shape, order="F")
         n_load = 1 if columns.ndim == 1 else columns.shape[1]
         self._handle.call(33, columns, solution, n_load)
@@ -147,7 +163,7 @@ class PardisoCondensation:
         order = np.argsort(interface, kind="stable")
         rank = np.empty_like(order)
         rank[order] = np.arange(order.size)
-        self._interface = interface
+        self._interface, self._part = interface, part
         self._handle = _Handle(matrix, interface, part)
         complement = np.zeros((interface.size, interface.size))
         nothing = np.zeros(1)
@@ -159,10 +175,12 @@ class PardisoCondensation:
         self.memory_bytes = self._handle.memory_bytes
         self._forward = np.zeros(self._handle.n_dof)
         self._solution = np.zeros(self._handle.n_dof)
+        require_accuracy(matrix, self._solve, part)
+        self._forward[:] = 0.0
 
     def forward(self, load: Vector) -> Vector:
         """Load condensed on the interface; see the contract."""
-        self._handle.call(331, np.ascontiguousarray(load), self._forward)
+        self._handle.call(331, _loads(load, self._handle.n_dof), self._forward)
         return self._forward[self._interface]
 
     def backward(self, interface: Vector) -> Vector:
@@ -170,3 +188,7 @@ class PardisoCondensation:
         self._forward[self._interface] = interface
         self._handle.call(333, self._forward, self._solution)
         return self._solution
+
+    def _solve(self, load: Vector) -> Vector:
+        """All unknowns under a load, the interface's from the complement."""
+        return self.backward(solve_complement(self.complement, self.forward(load), self._part))

@@ -16,6 +16,7 @@ interior that belongs to the interface found). Together they are one large solve
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -50,8 +51,12 @@ class CondensedFactorisation(Protocol):
         ...
 
 
+@cache
 def _pardiso() -> Any | None:
-    """The MKL PARDISO back end, or None where MKL is not installed."""
+    """The MKL PARDISO back end, or None where MKL is not installed.
+
+    Asked once: a failed import is not remembered by Python, and ``check`` asks for every run.
+    """
     try:
         from solver.factorisation import pardiso
     except (ImportError, OSError):

@@ -7,6 +7,11 @@ import scipy.sparse.linalg as sparse_linalg
 
 from solver.arrays import FloatArray, IntVector, Matrix, SparseMatrix, Vector
 from solver.errors import SingularSystemError
+from solver.factorisation.soundness import (
+    require_accuracy,
+    require_positive_diagonal,
+    solve_complement,
+)
 
 __all__ = ["SuperLUCondensation", "SuperLUFactorisation"]
 
@@ -17,6 +22,7 @@ class SuperLUFactorisation:
     memory_bytes: int
 
     def __init__(self, matrix: SparseMatrix, part: str) -> None:
+        require_positive_diagonal(matrix, part)
         try:
             # Symmetric mode keeps the fill close to that of a Cholesky factor.
             self._factor = sparse_linalg.splu(
@@ -28,6 +34,7 @@ class SuperLUFactorisation:
         except RuntimeError as error:
             raise SingularSystemError(part, "its stiffness is singular") from error
         self.memory_bytes = 12 * int(self._factor.nnz)
+        require_accuracy(matrix, self.solve, part)
 
     def solve(self, load: FloatArray) -> FloatArray:
         """Solution for one load (n_dof,) or several (n_dof, n_load)."""
@@ -43,7 +50,7 @@ class SuperLUCondensation:
     def __init__(self, matrix: SparseMatrix, interface: IntVector, part: str) -> None:
         is_interior = np.ones(matrix.shape[0], dtype=bool)
         is_interior[interface] = False
-        self._interface = interface
+        self._interface, self._part = interface, part
         self._interior = np.flatnonzero(is_interior)
         rows = matrix.tocsr()[self._interior]
         self._factor = SuperLUFactorisation(rows[:, self._interior], part)
@@ -54,6 +61,8 @@ class SuperLUCondensation:
         self.complement = 0.5 * (complement + complement.T)
         self.memory_bytes = self._factor.memory_bytes
         self._solution = np.zeros(matrix.shape[0])
+        self._interior_load = np.zeros(self._interior.size)
+        require_accuracy(matrix, self._solve, part)
         self._interior_load = np.zeros(self._interior.size)
 
     def forward(self, load: Vector) -> Vector:
@@ -69,3 +78,7 @@ class SuperLUCondensation:
         )
         self._solution[self._interface] = interface
         return self._solution
+
+    def _solve(self, load: Vector) -> Vector:
+        """All unknowns under a load, the interface's from the complement."""
+        return self.backward(solve_complement(self.complement, self.forward(load), self._part))

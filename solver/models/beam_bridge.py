@@ -9,6 +9,7 @@ import numpy as np
 from annotated_types import Ge, Gt, Le, Len
 
 from solver.arrays import Vector
+from solver.errors import InputError
 from solver.models.beam_line import BeamLine
 from solver.units import Units
 
@@ -73,12 +74,20 @@ def beam_bridge_line(bridge: BeamBridge, start: float, end: float) -> BeamLine:
 
     Args:
         bridge: The beams.
-        start: x where the ground before them begins, not positive. [m]
-        end: x where the ground after them ends. [m]
+        start: x where the ground before them begins, negative. [m]
+        end: x where the ground after them ends, beyond the last span. [m]
 
     Returns:
         One line; its spans are separate beams, each on its own two supports.
+
+    Raises:
+        InputError: There is no ground before or after the spans.
     """
+    if not start < 0.0 or not end > bridge.length:
+        raise InputError(
+            "path", (start, end), f"leaves no ground outside 0 to {bridge.length:g} m",
+            "Begin before the first span and end beyond the last.",
+        )  # fmt: skip
     pieces = [np.array([start, 0.0])]
     for left, right in zip(bridge.joints[:-1], bridge.joints[1:], strict=True):
         pieces.append(np.linspace(left, right, bridge.elements_per_span + 1))

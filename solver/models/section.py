@@ -44,10 +44,8 @@ class DeckSection:
     bottom: IntVector
 
 
-def _slab_half(
-    viaduct: ViaductProperties, track: TrackProperties, density: MeshDensity
-) -> Vector:
-    """Lines of the slab at y >= 0: even between axis, web, wall and edge, one of them at the rail."""
+def _slab_half(viaduct: ViaductProperties, track: TrackProperties, density: MeshDensity) -> Vector:
+    """Lines of the slab at y >= 0: even between axis, web, wall and edge, one at the rail."""
     breaks = np.array([0.0, viaduct.web_position, viaduct.wall_position, 0.5 * viaduct.slab_width])
     counts = np.array([density.slab_centre, density.slab_gap, density.cantilever])
     plate = int(np.clip(np.searchsorted(breaks, track.rail_position), 1, len(breaks) - 1))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from solver.arrays import IntArray, IntVector, Matrix, SparseMatrix, Vector
+from solver.arrays import IntArray, IntVector, SparseMatrix, Vector
 from solver.assembly.constraints import Combination, eliminate
 from solver.assembly.faces import outer_faces
 from solver.assembly.freedoms import Freedoms, number_freedoms

@@ -1,4 +1,4 @@
-"""The structure as the solver sees it: matrices of its free unknowns, rail seats, mesh for drawing."""
+"""The structure as the solver sees it: matrices of its unknowns, rail seats, mesh for drawing."""
 
 from __future__ import annotations
 

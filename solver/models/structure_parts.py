@@ -45,9 +45,7 @@ class Matrices:
     damping: SparseMatrix
 
 
-def deck_parts(
-    viaduct: ViaductProperties, deck: DeckMesh, freedoms: Freedoms
-) -> list[Part]:
+def deck_parts(viaduct: ViaductProperties, deck: DeckMesh, freedoms: Freedoms) -> list[Part]:
     """Shells with damping, their drilling penalty without, and the mass along the edges."""
     section = deck.section
     corners = deck.coordinates[deck.shells]
@@ -141,5 +139,7 @@ def summed(parts: Sequence[Part], count: int) -> Matrices:
         if part.stiffness is not None and np.any(part.stiffness_damping)
     ]
     return Matrices(
-        mass=scatter(mass, count), stiffness=scatter(stiffness, count), damping=scatter(damping, count)
+        mass=scatter(mass, count),
+        stiffness=scatter(stiffness, count),
+        damping=scatter(damping, count),
     )

@@ -160,9 +160,7 @@ def interpolated_seats(track: TrackMesh) -> IntVector:
     return np.flatnonzero(track.seat_share > 0.0)
 
 
-def seat_ties(
-    track: TrackMesh, freedoms: Freedoms
-) -> tuple[list[Combination], IntArray]:
+def seat_ties(track: TrackMesh, freedoms: Freedoms) -> tuple[list[Combination], IntArray]:
     """Gives every rail seat one freedom.
 
     With the share s of the second node, w1 = seat - s d and w2 = seat + (1 - s) d, where d is their

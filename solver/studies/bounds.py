@@ -52,39 +52,74 @@ def violations(value: Any, path: Path = ()) -> Iterator[Finding]:
 
 
 def _check(value: Any, hint: Any, path: Path) -> Iterator[Finding]:
+    """Findings of one value against its type and metadata."""
     metadata: tuple[Any, ...] = ()
     if get_origin(hint) is Annotated:
         hint, *rest = get_args(hint)
         metadata = tuple(rest)
-    unit = next((entry for entry in metadata if isinstance(entry, Unit)), None)
     origin = get_origin(hint)
-    if dataclasses.is_dataclass(value):
-        yield from violations(value, path)
-    elif origin is tuple:
-        yield from _length(value, metadata, path)
-        for index, item in enumerate(value):
-            yield from _check(item, get_args(hint)[0], (*path, index))
+    if origin is tuple:
+        yield from _sequence(value, get_args(hint)[0], metadata, path)
     elif origin is Literal:
         if value not in get_args(hint):
             names = ", ".join(repr(choice) for choice in get_args(hint))
             yield Finding(path=path, value=value, reason="is not known", remedy=f"Use {names}.")
-    elif origin not in (Union, types.UnionType):
-        yield from _scalar(value, hint, metadata, unit, path)
+    elif dataclasses.is_dataclass(hint) or origin in (Union, types.UnionType):
+        yield from _record(value, get_args(hint) or (hint,), path)
+    else:
+        yield from _scalar(value, hint, metadata, path)
 
 
-def _scalar(
-    value: Any, hint: Any, metadata: tuple[Any, ...], unit: Unit | None, path: Path
+def _record(value: Any, kinds: tuple[Any, ...], path: Path) -> Iterator[Finding]:
+    """A nested dataclass, one of several kinds."""
+    if isinstance(value, kinds):
+        yield from violations(value, path)
+        return
+    names = " or ".join(kind.__name__ for kind in kinds)
+    yield Finding(
+        path=path, value=value, reason="is of another kind", remedy=f"Give {names}."
+    )
+
+
+def _sequence(
+    value: Any, item_hint: Any, metadata: tuple[Any, ...], path: Path
 ) -> Iterator[Finding]:
-    if hint is str:
+    if not isinstance(value, tuple | list):
+        yield Finding(path=path, value=value, reason="is not a list", remedy="Give a list.")
+        return
+    yield from _length(value, metadata, path)
+    for index, item in enumerate(value):
+        yield from _check(item, item_hint, (*path, index))
+
+
+_SCALARS: dict[type, tuple[str, str]] = {
+    str: ("is not a text", "Give a text."),
+    bool: ("is neither true nor false", "Give true or false."),
+    int: ("is not a whole number", "Give a whole number."),
+    float: ("is not a number", "Give a number."),
+}
+"""What is the matter with a value that is not of its type, and the remedy."""
+
+
+def _scalar(value: Any, kind: Any, metadata: tuple[Any, ...], path: Path) -> Iterator[Finding]:
+    reason, remedy = _SCALARS[kind]
+    if not _is_scalar(value, kind):
+        yield Finding(path=path, value=value, reason=reason, remedy=remedy)
+    elif kind is str:
         yield from _length(value, metadata, path)
-        return
-    if hint not in (int, float):
-        return
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        yield Finding(path=path, value=value, reason="is not a number", remedy="Give a number.")
-        return
-    for limit in metadata:
-        yield from _limit(value, limit, unit, path)
+    elif kind is not bool:
+        unit = next((entry for entry in metadata if isinstance(entry, Unit)), None)
+        for limit in metadata:
+            yield from _limit(value, limit, unit, path)
+
+
+def _is_scalar(value: Any, kind: type) -> bool:
+    """Whether a value may stand where the type is declared: no truth value for a number, no NaN."""
+    if isinstance(value, bool) or kind in (str, bool):
+        return isinstance(value, kind) and isinstance(value, bool) == (kind is bool)
+    if isinstance(value, int):
+        return kind in (int, float)
+    return kind is float and isinstance(value, float) and math.isfinite(value)
 
 
 def _limit(value: float, limit: Any, unit: Unit | None, path: Path) -> Iterator[Finding]:

@@ -218,7 +218,8 @@ def _slab_deck(viaduct: ViaductProperties, track: TrackProperties, scene: Scene)
     """Slab nodes under the ballast, the outer faces of all parts, the rails on top."""
     structure = scene.structure
     assert structure is not None
-    below = under_ballast(structure.node_coordinates[structure.slab_nodes])
+    slab_coordinates = structure.node_coordinates[structure.slab_nodes]
+    below = under_ballast(slab_coordinates, 0.5 * track.ballast_width)
     nodes, span = structure.slab_nodes[below], structure.span_of_slab_node[below]
     coordinates = structure.node_coordinates[nodes]
     spans = np.column_stack([structure.joints[:-1], structure.joints[1:]])
@@ -228,7 +229,7 @@ def _slab_deck(viaduct: ViaductProperties, track: TrackProperties, scene: Scene)
         judged_spans=_judged(len(spans)),
         named=_named_points(coordinates, span, spans, track.rail_position),
     )
-    vertices, layers = _compact(structure.node_coordinates, structure.surfaces)
+    vertices, layers = _compact(structure.surfaces)
     rail_vertices, rail_faces, rail_rows = _rails(viaduct, track, scene)
     faces = Layer(name="rails", faces=rail_faces + vertices.size)
     operator = structure.displacement_operator
@@ -269,11 +270,8 @@ def _named_points(
     return named
 
 
-def _compact(
-    coordinates: Matrix, surfaces: dict[str, IntArray]
-) -> tuple[IntVector, tuple[Layer, ...]]:
+def _compact(surfaces: dict[str, IntArray]) -> tuple[IntVector, tuple[Layer, ...]]:
     """Vertices that the surfaces use, and the layers over them."""
-    del coordinates
     used = np.unique(np.concatenate([faces.ravel() for faces in surfaces.values()]))
     return used, tuple(
         Layer(name=name, faces=np.searchsorted(used, faces)) for name, faces in surfaces.items()

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from solver.data import load
 from solver.errors import InputError
 from solver.factorisation import back_end_name
 from solver.integrators import HHT
 from solver.irregularities import describe
 from solver.models.beam_bridge import BeamBridge
+from solver.models.mesh_level import MeshLevel
+from solver.models.train import GRAVITY
 from solver.results import RunPlan
 from solver.simulation import Simulation
 from solver.studies.crossing import crossing
@@ -87,6 +88,8 @@ def _facts(study: Study, scene: Scene, recording: Recording, report: Report) -> 
     assert structure is not None
     report("finding the natural frequencies of the deciding span")
     facts["mesh_level"] = study.mesh_level
+    facts["mesh_accuracy"] = _accuracy(study.mesh_level)
+    facts["assumed"] = list(_ASSUMED)
     facts["approach_bed_stiffness"] = scene.bed_stiffness
     facts["member_frequencies"] = member_frequencies(structure, recording.slab.judged_spans)
     return facts
@@ -94,8 +97,26 @@ def _facts(study: Study, scene: Scene, recording: Recording, report: Report) -> 
 
 def _static_load(scene: Scene) -> float:
     """Mean static load of a wheel. [N]"""
-    return float(-np.sum(_weights(scene)) / len(scene.train.wheel_names))
+    return float(scene.train.total_mass * GRAVITY / scene.train.n_wheel)
 
 
-def _weights(scene: Scene) -> list[float]:
-    return [-9.81 * body.mass for body in scene.train.bodies]
+def _accuracy(level: MeshLevel) -> list[str]:
+    """Measured accuracy of a mesh level, in sentences; see tests/validation."""
+    measured = load("mesh_accuracy").get(level)
+    if measured is None:
+        return []
+    return [
+        f"Measured on {measured['case']}, against the {measured['against']} mesh: displacement of "
+        f"mid-span 2 within {100 * measured['displacement']:.1f} percent, its acceleration below "
+        f"30 Hz within {100 * measured['acceleration']:.1f} percent, first wheel's contact-force "
+        f"band within {1e-3 * measured['contact_force_band']:.1f} kN."
+    ]
+
+
+_ASSUMED = (
+    "places of the bearings",
+    "mass of edge beams and safeguards",
+    "heights of the inter-car dampers",
+    "roll coupling at the articulations",
+)
+"""Inputs that the thesis does not print."""

@@ -227,6 +227,7 @@ class EffectiveSystem:
 
         Raises:
             UnstableError: The motion is not finite.
+            ConvergenceError: No admissible contact state.
         """
         system, state = self.system, self.state
         x = system.wheel_positions(time)
@@ -242,7 +243,7 @@ class EffectiveSystem:
             raise UnstableError(time, "the motion of the wheels")
         compliance, gap_load = self.contact_problem(self.train.wheel_compliance)
         forces, closed, solves = solve_contact(
-            compliance, approach - gap_load, state.closed, system.unilateral
+            compliance, approach - gap_load, state.closed, system.unilateral, time
         )
         state.status_changes += int(np.count_nonzero(closed != state.closed))
         state.small_solves += solves

@@ -14,7 +14,10 @@ import numpy as np
 import scipy.linalg as dense
 import scipy.sparse as sparse
 
+from scipy.linalg import lapack
+
 from solver.arrays import FloatArray, IntVector, Matrix, SparseMatrix, Vector
+from solver.errors import SingularSystemError
 from solver.factorisation import condense
 from solver.factorisation.chain import Chain
 from solver.models.beam_line import BeamLine
@@ -95,7 +98,7 @@ class StructurePart:
         self._mass = sparse.csr_array(matrices.mass)
         effective = coefficients.effective(matrices.mass, matrices.damping, matrices.stiffness)
         self._condensed = condense(effective, matrices.seats, "the structure")
-        self.seat_compliance = _symmetric_inverse(self._condensed.complement)
+        self.seat_compliance = _symmetric_inverse(self._condensed.complement, "the structure")
         self.memory_bytes = self._condensed.memory_bytes
         self._remainder = _damping_remainder(matrices)
         self._shift_factor, self._mass_factor = self._rayleigh_factors()
@@ -154,11 +157,21 @@ def _damping_remainder(matrices: StructureMatrices) -> SparseMatrix:
     return remainder
 
 
-def _symmetric_inverse(matrix: Matrix) -> Matrix:
+def _symmetric_inverse(matrix: Matrix, part: str) -> Matrix:
+    """Inverse of a symmetric positive definite matrix.
+
+    Raises:
+        SingularSystemError: It is not, or only by rounding.
+    """
     if matrix.size == 0:
         return matrix
-    factor = dense.cho_factor(matrix)
-    inverse = dense.cho_solve(factor, np.eye(matrix.shape[0]))
+    scale = 1.0 / np.sqrt(np.maximum(matrix.diagonal(), np.finfo(float).tiny))
+    scaled = matrix * np.outer(scale, scale)
+    factor, info = lapack.dpotrf(scaled)
+    reciprocal = 0.0 if info else float(lapack.dpocon(factor, np.abs(scaled).sum(axis=0).max())[0])
+    if reciprocal < np.finfo(float).eps:
+        raise SingularSystemError(part, "something moves without resistance")
+    inverse = dense.cho_solve((factor, False), np.diag(scale)) * scale[:, None]
     return 0.5 * (inverse + inverse.T)
 
 
@@ -300,7 +313,7 @@ class TrainPart:
         self._weight, self._rows = weight, wheel_rows
         self._coefficients = coefficients
         effective = coefficients.effective(mass, damping, stiffness)
-        self._inverse = _symmetric_inverse(effective)
+        self._inverse = _symmetric_inverse(effective, "the train")
         self._wheel_columns = self._inverse @ wheel_rows.T
         self.wheel_compliance = wheel_rows @ self._wheel_columns
         self._free = np.zeros(weight.size)

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from solver.arrays import Vector
+from solver.errors import InputError
 from solver.models.ballasted_track import TrackProperties
 from solver.models.beam_line import BeamLine
 from solver.models.mesh_level import MeshLevel
@@ -26,6 +27,8 @@ __all__ = ["approach_deflections", "matched_approach", "structure_matrices", "tr
 
 _N_SLEEPER = 20
 """Sleepers of the track that is compared: the deflection dies out within five bays."""
+_SOFTEST, _STIFFEST = 6.0, 10.5
+"""Exponents of ten between which the bed's stiffness is sought. [N/m]"""
 
 
 def structure_matrices(model: StructureModel) -> StructureMatrices:
@@ -90,7 +93,11 @@ def approach_deflections(
 def matched_approach(
     track: TrackProperties, approach: ApproachTrack, level: MeshLevel
 ) -> ApproachTrack:
-    """The approach with its bed stiffness matched, or as given if it was given."""
+    """The approach with its bed stiffness matched, or as given if it was given.
+
+    Raises:
+        InputError: No bed stiffness matches.
+    """
     if approach.bed_stiffness > 0.0:
         return approach
     static, middle = Coefficients.static(), np.array([0.5])
@@ -100,7 +107,14 @@ def matched_approach(
         trial = replace(approach, bed_stiffness=float(10.0**exponent))
         return float(approach_deflections(track, trial, level, middle, static)[0]) - target
 
-    exponent: float = cast(float, brentq(excess, 6.0, 10.5, xtol=1e-6))
+    if excess(_SOFTEST) < 0.0 or excess(_STIFFEST) > 0.0:
+        raise InputError(
+            "approach.bed_stiffness", approach.bed_stiffness,
+            f"no bed between {10**_SOFTEST:.1g} and {10**_STIFFEST:.1g} N/m deflects like the "
+            f"three-dimensional track ({1e9 * target:.3g} nm/N)",
+            "Check the track's stiffnesses, or give the bed's stiffness by hand.",
+        )  # fmt: skip
+    exponent: float = cast(float, brentq(excess, _SOFTEST, _STIFFEST, xtol=1e-6))
     return replace(approach, bed_stiffness=10.0**exponent)
 
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.sparse.linalg import spsolve
 from scipy.spatial.transform import Rotation
 
-from solver.arrays import FloatArray, IntArray, Matrix, SparseMatrix
+from solver.arrays import FloatArray, IntArray, IntVector, Matrix, SparseMatrix
 from solver.assembly.scatter import ElementMatrices, scatter
 from solver.elements import shell
 from solver.errors import InputError
@@ -66,7 +66,7 @@ def _assembled(nodes: Matrix, quads: IntArray, thickness: float, young: float) -
     return scatter([ElementMatrices(freedoms=dofs, matrices=matrices)], 6 * len(nodes))
 
 
-def _solved(stiffness: SparseMatrix, load: Matrix, held: Matrix) -> Matrix:
+def _solved(stiffness: SparseMatrix, load: Matrix, held: IntVector) -> Matrix:
     free = np.setdiff1d(np.arange(len(load)), held)
     result = np.zeros(len(load))
     result[free] = spsolve(stiffness[free][:, free].tocsc(), load[free])
@@ -127,7 +127,8 @@ def test_a_strip_twists_as_saint_venant_says() -> None:
 def test_the_scordelis_lo_roof() -> None:
     """Vertical displacement of the free edge's middle: 0.3024 (MacNeal and Harder, 1985)."""
     count, radius, half_length = 16, 25.0, 25.0
-    x, angle = np.linspace(0.0, half_length, count + 1), np.linspace(0.0, 40.0, count + 1) * pi / 180
+    x = np.linspace(0.0, half_length, count + 1)
+    angle = np.linspace(0.0, 40.0, count + 1) * pi / 180.0
     nodes = np.array([[a, radius * np.sin(t), radius * np.cos(t)] for a in x for t in angle])
     quads = _grid(count, count)
     load = np.zeros((len(nodes), 6))
@@ -166,6 +167,7 @@ def test_mass_counts_translation_once_and_drilling_never() -> None:
 
 
 def test_a_warped_shell_is_refused() -> None:
-    warped = DISTORTED + [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.1], [0.0, 0.0, 0.0]]
+    warped = DISTORTED.copy()
+    warped[2, 2] = 0.1
     with pytest.raises(InputError, match="warped"):
         shell.mass(warped[None], np.array([0.1]), 1.0)

@@ -1,0 +1,211 @@
+"""From JSON to a checked submission: parse strictly, check the study, compare with the limits."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, cast
+
+import psutil
+from pydantic import TypeAdapter, ValidationError
+
+from server.errors import Finding, Problem, pointer, shortened, validation_findings
+from server.jobs.variants import errors_of_chosen_kinds, kinds_of
+from server.settings import Limits
+from solver import studies
+from solver.errors import InputError
+from solver.studies import Study
+
+__all__ = [
+    "KINDS",
+    "Submission",
+    "admit",
+    "limit_findings",
+    "read_study",
+    "read_submission",
+    "report_document",
+    "stored_study",
+]
+
+KINDS = ("crossing", "modes")
+"""What a job can compute."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Submission:
+    """A study and what to do with it.
+
+    Attributes:
+        kind: One of ``KINDS``.
+        study: The study.
+        path: Where the study stands in what was sent, for pointers.
+    """
+
+    kind: str
+    study: Study
+    path: tuple[str, ...] = ("study",)
+
+
+def read_submission(body: Any) -> Submission:
+    """A submission ``{"kind": ..., "study": {...}}`` from parsed JSON.
+
+    Raises:
+        Problem: 422 with every finding.
+    """
+    if not isinstance(body, dict):
+        raise _unusable([_finding((), body, "is not an object", 'Send {"study": {...}}.')])
+    fields = cast(dict[str, Any], body)
+    findings = [
+        _finding((name,), fields[name], "is not a field here", "Remove it, or correct its name.")
+        for name in fields
+        if name not in ("kind", "study")
+    ]
+    kind = fields.get("kind", "crossing")
+    if kind not in KINDS:
+        findings.append(
+            _finding(("kind",), kind, "is not a kind of job", f"Choose one of {', '.join(KINDS)}.")
+        )
+    if "study" not in fields:
+        findings.append(_finding(("study",), "", "is missing", "Add the study."))
+    study, more = _validated(fields.get("study", {}), ("study",))
+    findings += more if "study" in fields else []
+    if findings or study is None:
+        raise _unusable(findings)
+    return Submission(kind=kind, study=study)
+
+
+def read_study(body: Any, path: tuple[str, ...] = ()) -> Study:
+    """A study from parsed JSON.
+
+    Raises:
+        Problem: 422 with every finding.
+    """
+    study, findings = _validated(body, path)
+    if study is None:
+        raise _unusable(findings)
+    return study
+
+
+def stored_study(document: Mapping[str, Any]) -> Study:
+    """A study that was accepted before."""
+    return read_study(document)
+
+
+def admit(submission: Submission, limits: Limits, data: Path) -> Any:
+    """Checks a study and what it takes, by closed formulas: nothing is allocated.
+
+    Returns:
+        The solver's report.
+
+    Raises:
+        Problem: 422 with everything that is wrong.
+    """
+    report = studies.check(submission.study)
+    findings = [*_report_findings(report.errors, submission.path)]
+    findings += limit_findings(report, limits, data, submission.path)
+    if findings:
+        raise _unusable(findings)
+    return report
+
+
+def limit_findings(
+    report: Any, limits: Limits, data: Path, path: Sequence[str] = ()
+) -> list[Finding]:
+    """Where a study asks for more than this server accepts or this machine has."""
+    estimate = report.estimate
+    if estimate is None:
+        return []
+    free_memory = limits.memory_fraction * psutil.virtual_memory().available
+    free_disk = limits.disk_fraction * shutil.disk_usage(data).free
+    coarser = "Choose a coarser mesh."
+    rules: list[tuple[str, float, float, str, tuple[str, ...], str]] = [
+        ("runs", estimate.runs, limits.runs_per_job, "", ("sweep", "speeds"), "Give fewer speeds."),
+        (
+            "time steps",
+            estimate.steps,
+            limits.steps_per_job,
+            "",
+            ("integration", "time_step"),
+            "Choose a longer time step, fewer speeds or a shorter extent.",
+        ),
+        ("of memory", estimate.memory_bytes, free_memory, "GB", ("mesh_level",), coarser),
+        (
+            "of disk",
+            estimate.disk_bytes,
+            free_disk,
+            "GB",
+            ("outputs", "frame_interval"),
+            "Choose a longer frame interval or a coarser mesh, or free some disk.",
+        ),
+    ]
+    return [
+        _finding(
+            (*path, *place),
+            _amount(value, unit),
+            f"needs {_amount(value, unit)} {name}; the limit is {_amount(limit, unit)}",
+            remedy,
+        )
+        for name, value, limit, unit, place, remedy in rules
+        if not value <= limit
+    ]
+
+
+def report_document(
+    report: Any, limits: Limits, data: Path, path: tuple[str, ...]
+) -> dict[str, Any]:
+    """A report as the API sends it, the server's limits among its errors."""
+    errors = [*_report_findings(report.errors, path), *limit_findings(report, limits, data, path)]
+    return {
+        "errors": errors,
+        "warnings": _report_findings(report.warnings, path),
+        "derived": report.derived,
+        "estimate": report.estimate,
+    }
+
+
+def _amount(value: float, unit: str) -> str:
+    return f"{value / 1e9:.3g} {unit}" if unit else f"{value:.9g}"
+
+
+def _report_findings(findings: Sequence[Any], path: Sequence[str]) -> list[Finding]:
+    return [
+        _finding((*path, *item.path), item.value, item.reason, item.remedy) for item in findings
+    ]
+
+
+def _finding(path: Sequence[str | int], value: Any, reason: str, remedy: str) -> Finding:
+    return Finding(pointer=pointer(path), value=shortened(value), reason=reason, remedy=remedy)
+
+
+def _unusable(findings: Sequence[Finding]) -> Problem:
+    detail = "; ".join(f"{item.pointer or 'the body'} {item.reason}" for item in findings[:3])
+    return Problem(422, "The study cannot be used", detail, errors=findings)
+
+
+@cache
+def _adapter() -> TypeAdapter[Study]:
+    return TypeAdapter(Study)
+
+
+@cache
+def _kinds() -> dict[str, str]:
+    return kinds_of(_adapter().json_schema())
+
+
+def _validated(body: Any, path: Sequence[str]) -> tuple[Study | None, list[Finding]]:
+    # As JSON again: pydantic's strict mode then takes lists for tuples and whole numbers for
+    # floats, and nothing else.
+    text = json.dumps(body, allow_nan=False)
+    try:
+        return _adapter().validate_json(text, strict=True, extra="forbid"), []
+    except ValidationError as error:
+        errors = cast(Any, error.errors(include_url=False))
+        meant = [*errors_of_chosen_kinds(errors, body, _kinds())]
+        return None, validation_findings(meant, body, prefix=path)
+    except InputError as error:
+        at = (*path, *error.field.split("."))
+        return None, [_finding(at, error.value, error.reason, error.remedy)]

@@ -1,0 +1,123 @@
+"""Contact forces between wheel and rail, with the static load and the line of lost contact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from server.plots.curves import Curve, channel_named, raw_curve
+from server.plots.figure import (
+    Figure,
+    compose,
+    horizontal_line,
+    horizontal_note,
+    table_row,
+    trace,
+)
+from server.plots.palette import CURVES, LIMIT, MUTED
+from server.plots.request import FigureRequest
+from server.plots.source import RunSource
+from server.plots.text import quantity
+from solver.results import ChannelSpec
+
+__all__ = ["contact_force"]
+
+QUANTITY = "/contact force"
+NEAR_LOSS = 0.5
+"""Part of the static load below which the axis reaches down to zero."""
+AIR = 0.12
+"""Free height above and below the curves, as a part of theirs."""
+
+
+def contact_force(run: RunSource, request: FigureRequest) -> Figure:
+    """Contact forces of the first axle's wheels, or of the wheels asked for.
+
+    Args:
+        run: The run, finished or not.
+        request: Window, points, channels.
+
+    Returns:
+        The figure.
+
+    Raises:
+        InputError: A channel is unknown.
+    """
+    chosen = _chosen(run, request)
+    curves = [raw_curve(run, spec, request, spec.name.removesuffix(QUANTITY)) for spec in chosen]
+    shapes, notes = [horizontal_line(0.0, LIMIT, "solid")], []
+    if curves:
+        notes.append(horizontal_note(0.0, "0: contact lost", LIMIT))
+    static = _static_load(run, chosen)
+    if static is not None and curves:
+        shapes.append(horizontal_line(static, MUTED))
+        words = f"static load {quantity(static, curves[0].unit, 4)}"
+        notes.append(horizontal_note(static, words, MUTED))
+    return compose(
+        plan=run.plan,
+        title="Contact force between wheel and rail",
+        value_title="contact force [kN]",
+        traces=[
+            trace(curve, request, CURVES[number % len(CURVES)], 1.3)
+            for number, curve in enumerate(curves)
+        ],
+        table=[{**table_row(curve), "contact_lost": time_lost(curve)} for curve in curves],
+        summary=_summary(run, curves),
+        shapes=shapes,
+        annotations=notes,
+        value_range=_value_range(curves, static),
+        request=request,
+    )
+
+
+def time_lost(curve: Curve) -> float:
+    """Time in the window during which the wheel did not touch the rail. [s]"""
+    if curve.time.size < 2:
+        return 0.0
+    step = float(curve.time[1] - curve.time[0])
+    return int(np.count_nonzero(curve.values <= 0.0)) * step
+
+
+def _chosen(run: RunSource, request: FigureRequest) -> Sequence[ChannelSpec]:
+    if request.channels:
+        return [channel_named(run, name) for name in request.channels]
+    forces = [spec for spec in run.plan.channels if spec.name.endswith(QUANTITY)]
+    first_axle = [spec for spec in forces if spec.name.startswith("wheel 01 ")]
+    return first_axle[:2] or forces[:2]
+
+
+def _static_load(run: RunSource, chosen: Sequence[ChannelSpec]) -> float | None:
+    """The first wheel's load at the static start, in display units."""
+    if run.committed == 0 or not chosen:
+        return None
+    return float(run.channel(chosen[0].name, 0, 1)[0] * chosen[0].unit.scale)
+
+
+def _value_range(curves: Sequence[Curve], static: float | None) -> tuple[float, float] | None:
+    """The curves and the static load with some air; zero too, once a wheel comes near to it."""
+    lows = [extreme.value for extreme in (curve.minimum() for curve in curves) if extreme]
+    highs = [extreme.value for extreme in (curve.maximum() for curve in curves) if extreme]
+    if static is None or not lows:
+        return None
+    low, high = min(*lows, static), max(*highs, static)
+    if low < NEAR_LOSS * static:
+        low = min(low, 0.0)
+    air = AIR * max(high - low, 0.02 * static)
+    return low - air, high + air
+
+
+def _summary(run: RunSource, curves: Sequence[Curve]) -> str:
+    if run.committed == 0:
+        return "No step has been computed yet."
+    sentences: list[str] = []
+    for curve in curves:
+        least, greatest = curve.minimum(), curve.maximum()
+        if least is None or greatest is None:
+            continue
+        lost = time_lost(curve)
+        state = f"contact lost for {lost * 1e3:.3g} ms" if lost > 0.0 else "always in contact"
+        sentences.append(
+            f"{curve.name}: between {quantity(least.value, curve.unit)} and "
+            f"{quantity(greatest.value, curve.unit)}, {state}."
+        )
+    return " ".join(sentences) or "No wheel is recorded."

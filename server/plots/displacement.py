@@ -1,0 +1,72 @@
+"""Vertical displacements of deck and train, in millimetres, upward positive."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from server.plots.curves import Curve, channel_named, raw_curve
+from server.plots.figure import Figure, compose, table_row, trace
+from server.plots.palette import CURVES
+from server.plots.request import FigureRequest
+from server.plots.source import RunSource
+from server.plots.text import quantity
+from solver.results import ChannelSpec
+
+__all__ = ["displacement"]
+
+QUANTITY = "/displacement"
+MAX_DEFAULT = 5
+
+
+def displacement(run: RunSource, request: FigureRequest) -> Figure:
+    """Displacements of the spans' middles (and of sprung masses), or of what is asked for.
+
+    Args:
+        run: The run, finished or not.
+        request: Window, points, channels.
+
+    Returns:
+        The figure.
+
+    Raises:
+        InputError: A channel is unknown.
+    """
+    curves = [
+        raw_curve(run, spec, request, spec.name.removesuffix(QUANTITY))
+        for spec in _chosen(run, request)
+    ]
+    return compose(
+        plan=run.plan,
+        title="Vertical displacement, upward positive",
+        value_title="displacement [mm]",
+        traces=[
+            trace(curve, request, CURVES[number % len(CURVES)], 1.6)
+            for number, curve in enumerate(curves)
+        ],
+        table=[table_row(curve) for curve in curves],
+        summary=_summary(run, curves),
+        request=request,
+    )
+
+
+def _chosen(run: RunSource, request: FigureRequest) -> Sequence[ChannelSpec]:
+    if request.channels:
+        return [channel_named(run, name) for name in request.channels]
+    moves = [spec for spec in run.plan.channels if spec.name.endswith(QUANTITY)]
+    deck = [spec for spec in moves if spec.group == "deck" and "rail" not in spec.name]
+    masses = [spec for spec in moves if spec.name.startswith("mass ")]
+    return [*deck, *masses][:MAX_DEFAULT]
+
+
+def _summary(run: RunSource, curves: Sequence[Curve]) -> str:
+    if run.committed == 0:
+        return "No step has been computed yet."
+    sentences: list[str] = []
+    for curve in curves:
+        peak = curve.peak(0.0)
+        if peak is None:
+            continue
+        way = "down" if peak.value < 0 else "up"
+        size = quantity(abs(peak.value), curve.unit)
+        sentences.append(f"{curve.name}: at most {size} {way}, at t = {peak.time:.3f} s.")
+    return " ".join(sentences) or "No displacement is recorded."

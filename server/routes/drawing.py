@@ -1,0 +1,71 @@
+"""Figures as files: drawn by one side process with a short queue, never by the event loop."""
+
+from __future__ import annotations
+
+import asyncio
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any
+
+from server.errors import Problem
+from server.jobs.process import child_context, end_with_parent
+from server.plots import render
+
+__all__ = ["DrawingProcess"]
+
+
+class DrawingProcess:
+    """Starts its process when the first figure is asked for."""
+
+    def __init__(self, *, pending: int, seconds: float) -> None:
+        """Lets ``pending`` figures wait, and each take at most ``seconds``. [s]"""
+        self._pending = pending
+        self._seconds = seconds
+        self._waiting = 0
+        self._pool: ProcessPoolExecutor | None = None
+
+    async def draw(self, figure: dict[str, Any], file_format: str) -> bytes:
+        """A figure as PNG, SVG or PDF.
+
+        Raises:
+            Problem: 503 with ``Retry-After``: too many figures wait, or this one took too long.
+        """
+        if self._waiting >= self._pending:
+            raise _busy("Too many figures wait to be drawn.")
+        self._waiting += 1
+        try:
+            pool = self._open()
+            drawing = asyncio.get_running_loop().run_in_executor(pool, render, figure, file_format)
+            return await asyncio.wait_for(drawing, self._seconds)
+        except TimeoutError:
+            self.close()
+            raise _busy("The figure took too long to draw.") from None
+        except BrokenProcessPool:
+            self.close()
+            raise _busy("The drawing process ended unexpectedly.") from None
+        finally:
+            self._waiting -= 1
+
+    def close(self) -> None:
+        """Ends the process; the next figure starts another."""
+        pool, self._pool = self._pool, None
+        if pool is None:
+            return
+        processes = list((pool._processes or {}).values())  # pyright: ignore[reportPrivateUsage]
+        pool.shutdown(wait=False, cancel_futures=True)
+        # Waiting for a figure that takes too long is what we do not want.
+        for process in processes:
+            process.kill()
+
+    def _open(self) -> ProcessPoolExecutor:
+        if self._pool is None:
+            self._pool = ProcessPoolExecutor(
+                max_workers=1, mp_context=child_context(), initializer=end_with_parent
+            )
+        return self._pool
+
+
+def _busy(detail: str) -> Problem:
+    return Problem(
+        503, "Drawing is busy", f"{detail} Try again in a moment.", headers={"Retry-After": "2"}
+    )

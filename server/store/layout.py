@@ -1,0 +1,136 @@
+"""Where a run's data lies: one folder an attempt.
+
+    plan.json      what is known before the first step
+    plan.zarr      its arrays: vertices, faces, wheels, slab points
+    commit.json    how many samples a reader may read, and from which group
+    live.zarr      while the run computes: short shards, each written once and whole
+    result.zarr    when it has ended: the same arrays in long shards
+    summary.json   verdicts, peaks, timings, versions
+    DONE           the marker: everything above is complete
+
+The arrays of ``live.zarr`` and ``result.zarr``, time first:
+
+    time       float64  (n_sample,)                [s]
+    channels   float64  (n_sample, n_channel)      SI
+    slab       float32  (n_sample, n_point)        [m/s2]
+    frames     float32  (n_frame, n_vertex, 3)     [m]
+    bodies     float32  (n_frame, n_body, 3)       [m, rad, rad]
+    frame_step int64    (n_frame,)                 only in result.zarr
+    filtered   float64  (n_sample, n_name)         only in result.zarr, SI
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import zarr
+from zarr.codecs import BloscCodec
+
+from solver.results import RunPlan
+
+__all__ = [
+    "COMMIT",
+    "DONE",
+    "LIVE",
+    "PLAN",
+    "PLAN_ARRAYS",
+    "RESULT",
+    "SUMMARY",
+    "ArrayLayout",
+    "array_layouts",
+    "attempt_folder",
+    "create_array",
+]
+
+PLAN = "plan.json"
+PLAN_ARRAYS = "plan.zarr"
+COMMIT = "commit.json"
+LIVE = "live.zarr"
+RESULT = "result.zarr"
+SUMMARY = "summary.json"
+DONE = "DONE"
+
+_COLUMNS_PER_CHUNK = {"channels": 16, "slab": 64, "filtered": 1}
+"""Columns read together: one channel is asked for at a time, slab points in blocks."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArrayLayout:
+    """Shape and type of one stored array.
+
+    Attributes:
+        name: As in the module's table.
+        shape: Of the whole run.
+        dtype: NumPy name.
+        by_frame: Rows are frames, not samples.
+    """
+
+    name: str
+    shape: tuple[int, ...]
+    dtype: str
+    by_frame: bool = False
+
+    @property
+    def row_bytes(self) -> int:
+        """Size of one row. [B]"""
+        size = 8 if self.dtype == "float64" else 4
+        for extent in self.shape[1:]:
+            size *= extent
+        return size
+
+    def chunk(self, rows: int) -> tuple[int, ...]:
+        """The chunk inside a shard of so many rows."""
+        if self.by_frame:
+            return (1, *self.shape[1:])
+        columns = _COLUMNS_PER_CHUNK.get(self.name)
+        return (rows,) if columns is None else (rows, min(columns, self.shape[1]))
+
+    def shard(self, rows: int) -> tuple[int, ...]:
+        """The shard of so many rows: the chunk's width rounded up to hold every column."""
+        chunk = self.chunk(rows)
+        if self.by_frame or len(chunk) == 1:
+            return (rows, *self.shape[1:])
+        return (rows, -(-self.shape[1] // chunk[1]) * chunk[1])
+
+
+def attempt_folder(data: Path, run: str, attempt: int) -> Path:
+    """The folder of one attempt at a run."""
+    return data / "runs" / run / f"{attempt:03d}"
+
+
+def array_layouts(plan: RunPlan) -> tuple[ArrayLayout, ...]:
+    """The arrays that a run fills; those without columns are left out."""
+    n_vertex = int(plan.geometry.vertices.shape[0])
+    samples, frames = plan.n_sample, plan.n_frame
+    arrays = (
+        ArrayLayout(name="time", shape=(samples,), dtype="float64"),
+        ArrayLayout(name="channels", shape=(samples, len(plan.channels)), dtype="float64"),
+        ArrayLayout(
+            name="slab", shape=(samples, int(plan.slab.coordinates.shape[0])), dtype="float32"
+        ),
+        ArrayLayout(name="frames", shape=(frames, n_vertex, 3), dtype="float32", by_frame=True),
+        ArrayLayout(
+            name="bodies",
+            shape=(frames, len(plan.geometry.bodies), 3),
+            dtype="float32",
+            by_frame=True,
+        ),
+    )
+    return tuple(array for array in arrays if all(array.shape))
+
+
+def create_array(group: zarr.Group, layout: ArrayLayout, rows: int) -> Any:
+    """Creates one array, its shape given from the start, in shards of so many rows."""
+    rows = max(1, min(rows, layout.shape[0]))
+    chunk, shard = layout.chunk(rows), layout.shard(rows)
+    return group.create_array(
+        layout.name,
+        shape=layout.shape,
+        dtype=layout.dtype,
+        chunks=chunk,
+        shards=None if shard == chunk else shard,
+        compressors=BloscCodec(cname="zstd", clevel=1, shuffle="shuffle"),
+        fill_value=float("nan"),
+    )

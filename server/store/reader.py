@@ -1,0 +1,226 @@
+"""Reads a run's arrays, also while they are being written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+import zarr
+
+from server.store.documents import read_document
+from server.store.layout import COMMIT, DONE, LIVE, RESULT, SUMMARY
+from server.store.plan import StoredPlan, read_plan
+from solver.arrays import IntVector, Matrix, Vector
+from solver.results import Frame
+
+__all__ = ["NotStoredError", "RunReader"]
+
+_Values = TypeVar("_Values")
+
+
+class NotStoredError(LookupError):
+    """What was asked for is not in the store (not yet, or not at all)."""
+
+
+@dataclass(frozen=True)
+class _Commit:
+    group: str
+    samples: int
+    frames: int
+
+
+class RunReader:
+    """One attempt's plan, histories, frames and summary.
+
+    Samples beyond the committed count do not exist for a reader, so that it never sees a part of
+    a step. All values are SI.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        """Opens nothing yet: a folder that is still empty has nothing committed."""
+        self.folder = folder
+        self._groups: dict[str, dict[str, Any]] = {}
+
+    @cached_property
+    def plan(self) -> StoredPlan:
+        """What was known before the first step.
+
+        Raises:
+            NotStoredError: The run has not come to its first step.
+        """
+        plan = read_plan(self.folder)
+        if plan is None:
+            raise NotStoredError("The run has no histories yet.")
+        return plan
+
+    @property
+    def has_plan(self) -> bool:
+        """Whether the run has stated its plan."""
+        try:
+            return bool(self.plan)
+        except NotStoredError:
+            return False
+
+    @property
+    def committed(self) -> int:
+        """Samples that can be read."""
+        return self._commit().samples
+
+    @property
+    def committed_frames(self) -> int:
+        """Frames that can be read."""
+        return self._commit().frames
+
+    @property
+    def done(self) -> bool:
+        """Whether the run ended and everything is stored."""
+        return (self.folder / DONE).exists()
+
+    @property
+    def summary(self) -> dict[str, Any] | None:
+        """Verdicts, peaks, timings, versions; None before the run has ended."""
+        return read_document(self.folder / SUMMARY)
+
+    def times(self, start: int = 0, stop: int | None = None) -> Vector:
+        """Times of the samples from ``start`` up to ``stop``. [s]"""
+        return self._rows("time", start, stop, None)
+
+    def channel(self, name: str, start: int = 0, stop: int | None = None) -> Vector:
+        """One channel's history, SI.
+
+        Raises:
+            NotStoredError: There is no such channel.
+        """
+        return self._rows("channels", start, stop, self._column(name))
+
+    def channel_rows(self, names: Sequence[str], start: int = 0, stop: int | None = None) -> Matrix:
+        """Histories of several channels, shape (n_sample, n_name), SI.
+
+        Raises:
+            NotStoredError: There is no such channel.
+        """
+        columns = [self._column(name) for name in names]
+        if not columns:
+            return np.empty((len(self.times(start, stop)), 0))
+        low = min(columns)
+        block = self._rows("channels", start, stop, slice(low, max(columns) + 1))
+        return np.ascontiguousarray(block[:, [column - low for column in columns]])
+
+    def filtered(self, name: str) -> Vector:
+        """A filtered history of a finished run, SI.
+
+        Raises:
+            NotStoredError: There is no such history.
+        """
+        array = self._array(RESULT, "filtered") if self._commit().group == RESULT else None
+        names = [] if array is None else list(array.attrs["names"])
+        if array is None or name not in names:
+            raise NotStoredError(f"There is no filtered history {name[:80]!r}.")
+        return np.asarray(array[:, names.index(name)])
+
+    def frame_step(self, index: int) -> int:
+        """The step of a frame."""
+        return index * self.plan.frame_stride
+
+    def frame(self, index: int) -> Frame:
+        """The displaced state of a frame.
+
+        Raises:
+            NotStoredError: The frame is not there (yet).
+        """
+        if not 0 <= index < self.committed_frames:
+            raise NotStoredError(f"Frame {index} is not stored; there are {self.committed_frames}.")
+        plan = self.plan
+        return Frame(
+            displacement=self._frame_values("frames", index, plan.geometry.vertices.shape[0]),
+            bodies=self._frame_values("bodies", index, len(plan.geometry.bodies)),
+        )
+
+    def slab_point(self, index: int, start: int = 0, stop: int | None = None) -> Vector:
+        """Vertical acceleration of one slab point. [m/s2]"""
+        return self._rows("slab", start, stop, index)
+
+    def slab_blocks(self, points_per_block: int) -> Iterator[tuple[IntVector, Matrix]]:
+        """Accelerations of the slab's points, some points at a time, over all samples.
+
+        Args:
+            points_per_block: Points read together; multiples of 64 read every chunk once.
+
+        Yields:
+            Point indices, shape (n_block,), and histories, shape (n_sample, n_block). [m/s2]
+        """
+        n_point = int(self.plan.slab.coordinates.shape[0])
+        for start in range(0, n_point, points_per_block):
+            stop = min(start + points_per_block, n_point)
+            indices = np.arange(start, stop, dtype=np.int64)
+            yield indices, self._rows("slab", 0, None, slice(start, stop))
+
+    def _column(self, name: str) -> int:
+        try:
+            return self._columns[name]
+        except KeyError:
+            raise NotStoredError(f"There is no channel {name[:80]!r}.") from None
+
+    @cached_property
+    def _columns(self) -> dict[str, int]:
+        return {channel.name: index for index, channel in enumerate(self.plan.channels)}
+
+    def _rows(self, name: str, start: int, stop: int | None, columns: int | slice | None) -> Any:
+        def read(commit: _Commit) -> Any:
+            last = commit.samples if stop is None else min(stop, commit.samples)
+            first = max(0, min(start, last))
+            rows: Any = slice(first, last)
+            selection = rows if columns is None else (rows, columns)
+            array = self._array(commit.group, name)
+            if array is None or first >= last:
+                return np.empty(_empty_shape(columns))
+            return np.asarray(array[selection], dtype=np.float64)
+
+        return self._consistent(read)
+
+    def _frame_values(self, name: str, index: int, count: int) -> Any:
+        def read(commit: _Commit) -> Any:
+            array = self._array(commit.group, name)
+            if array is None:
+                return np.zeros((count, 3))
+            return np.asarray(array[index], dtype=np.float64)
+
+        return self._consistent(read)
+
+    def _consistent(self, read: Callable[[_Commit], _Values]) -> _Values:
+        """Reads again where the arrays were rewritten into long shards meanwhile."""
+        while True:
+            before = self._commit()
+            try:
+                values = read(before)
+            except (FileNotFoundError, KeyError):
+                if self._commit().group == before.group:
+                    raise
+                continue
+            if self._commit().group == before.group:
+                return values
+
+    def _commit(self) -> _Commit:
+        document = read_document(self.folder / COMMIT)
+        if document is None:
+            return _Commit(LIVE, 0, 0)
+        return _Commit(document["group"], document["samples"], document["frames"])
+
+    def _array(self, group: str, name: str) -> Any:
+        arrays = self._groups.setdefault(group, {})
+        if name not in arrays:
+            opened = zarr.open_group(self.folder / group, mode="r").get(name)
+            if opened is None:
+                return None
+            arrays[name] = opened
+        return arrays[name]
+
+
+def _empty_shape(columns: int | slice | None) -> tuple[int, ...]:
+    if isinstance(columns, slice):
+        return (0, columns.stop - columns.start)
+    return (0,)

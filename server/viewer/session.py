@@ -1,0 +1,195 @@
+"""Viewing sessions: one viser server and one thread each, counted, reaped and closed."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import secrets
+import threading
+import time
+from collections.abc import Generator
+from dataclasses import dataclass
+
+from server.viewer.guard import start_server, stop_server
+from server.viewer.palette import Theme
+from server.viewer.playback import PlaybackState, Player
+from server.viewer.source import FrameSource
+
+__all__ = ["Session", "Sessions", "TooManySessionsError", "ViewerLimits"]
+
+_log = logging.getLogger("trainbridge.viewer")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ViewerLimits:
+    """How much the viewer may take.
+
+    Attributes:
+        sessions: Open at once.
+        idle: A session without clients ends after this time. [s]
+        frame_rate: Most pictures sent in a second. [Hz]
+    """
+
+    sessions: int = 20
+    idle: float = 60.0
+    frame_rate: float = 15.0
+
+
+class TooManySessionsError(Exception):
+    """Every session is taken and watched."""
+
+
+class Session:
+    """One viewing session of one run.
+
+    It runs in a thread of its own until it is closed, or nobody has watched for a while. Viser's
+    server starts in the constructor, which takes some 50 ms: keep it off the event loop.
+
+    Attributes:
+        id: 128 random bits.
+        run: The run's name.
+        port: Viser's loopback port, shut to everyone but the proxy.
+    """
+
+    def __init__(self, run: str, source: FrameSource, theme: Theme, limits: ViewerLimits) -> None:
+        self.id = secrets.token_hex(16)
+        self.run = run
+        self._limits = limits
+        self._server = start_server()
+        self.port = self._server.get_port()
+        try:
+            self._player = Player(self._server, source, theme)
+        except BaseException:
+            stop_server(self._server)
+            raise
+        self._wake = threading.Event()
+        self._closing = threading.Event()
+        self._lock = threading.Lock()
+        self._clients = 0
+        self._watched = time.monotonic()
+        self._thread = threading.Thread(target=self._show, name="viewer", daemon=True)
+        self._thread.start()
+
+    @property
+    def player(self) -> Player:
+        """What is shown."""
+        return self._player
+
+    @property
+    def clients(self) -> int:
+        """Browsers that watch now."""
+        return self._clients
+
+    @property
+    def ended(self) -> bool:
+        """Whether the session can no longer be watched."""
+        return self._closing.is_set()
+
+    def change(self, **changes: object) -> PlaybackState:
+        """Changes fields of the playback state and shows it at once."""
+        state = self._player.change(**changes)
+        self._wake.set()
+        return state
+
+    @contextlib.contextmanager
+    def watched(self) -> Generator[None]:
+        """Counts a client for as long as it is connected."""
+        with self._lock:
+            self._clients += 1
+        self._wake.set()
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._clients -= 1
+                self._watched = time.monotonic()
+
+    def close(self) -> None:
+        """Ends the session; its clients are disconnected. Returns when its port is closed."""
+        self._closing.set()
+        self._wake.set()
+        self._thread.join(timeout=10.0)
+
+    def _show(self) -> None:
+        try:
+            while not self._closing.is_set():
+                begun = time.monotonic()
+                if self._clients:
+                    self._player.draw()
+                elif begun - self._watched > self._limits.idle:
+                    break
+                self._rest(begun)
+        except Exception:
+            _log.exception("the 3D view of run %s ended", self.run)
+        finally:
+            self._closing.set()
+            stop_server(self._server)
+
+    def _rest(self, begun: float) -> None:
+        """Waits for the next picture's turn, and longer while nothing moves."""
+        turn = 1.0 / self._limits.frame_rate
+        self._closing.wait(max(0.0, turn - (time.monotonic() - begun)))
+        if not (self._clients and self._player.state.playing):
+            self._wake.wait(min(1.0, self._limits.idle / 4.0))
+        self._wake.clear()
+
+
+class Sessions:
+    """All viewing sessions of the process; safe to use from several threads."""
+
+    def __init__(self, limits: ViewerLimits) -> None:
+        self._limits = limits
+        self._lock = threading.Lock()
+        self._open: dict[str, Session] = {}
+
+    def open(self, run: str, source: FrameSource, theme: Theme) -> Session:
+        """Opens a session; the longest unwatched one makes room where all are taken.
+
+        Raises:
+            TooManySessionsError: All are watched.
+        """
+        with self._lock:
+            self._forget_ended()
+            spare = next((held for held in self._open.values() if not held.clients), None)
+            full = len(self._open) >= self._limits.sessions
+            if full and spare is None:
+                raise TooManySessionsError(f"{len(self._open)} views are open")
+            if full and spare is not None:
+                del self._open[spare.id]
+            session = Session(run, source, theme, self._limits)
+            self._open[session.id] = session
+        if full and spare is not None:
+            spare.close()
+        return session
+
+    def get(self, session_id: str) -> Session | None:
+        """A session that can be watched, by its id."""
+        session = self._open.get(session_id)
+        return None if session is None or session.ended else session
+
+    def close(self, session_id: str) -> bool:
+        """Closes a session; false where there is none."""
+        with self._lock:
+            session = self._open.pop(session_id, None)
+        if session is None:
+            return False
+        session.close()
+        return True
+
+    def close_all(self) -> None:
+        """Closes every session, all at once."""
+        with self._lock:
+            sessions, self._open = list(self._open.values()), {}
+        closers = [threading.Thread(target=session.close) for session in sessions]
+        for closer in closers:
+            closer.start()
+        for closer in closers:
+            closer.join()
+
+    def __len__(self) -> int:
+        with self._lock:
+            self._forget_ended()
+            return len(self._open)
+
+    def _forget_ended(self) -> None:
+        self._open = {key: held for key, held in self._open.items() if not held.ended}

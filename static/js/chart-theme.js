@@ -1,0 +1,67 @@
+// @ts-check
+/** A figure from the server in the page's colours. Pure: the server's dictionary stays as it is. */
+
+/** @typedef {import("./types.js").Figure} Figure */
+/** @typedef {{ dark: boolean, ink: string, soft: string, line: string, paper: string, type: string }} Theme */
+
+/** On a dark ground the deep tones of the palette turn into their light neighbours. */
+const DARK = new Map([
+  ["#0072B2", "#58B5F0"],
+  ["#8FC1DE", "#2F6486"],
+  ["#D55E00", "#FF9A52"],
+  ["#009E73", "#3CCFA2"],
+  ["#86CBB7", "#24715B"],
+  ["#F2D08A", "#7A6328"],
+  ["#E3BCD2", "#7C5168"],
+  ["#B5DCF3", "#3B6580"],
+  ["#7A8794", "#98A7B4"],
+]);
+
+/**
+ * Data and layout for plotly.js.
+ *
+ * @param {Figure} figure
+ * @param {Theme} theme
+ * @param {boolean} narrow
+ */
+export function themed(figure, theme, narrow) {
+  const source = theme.dark ? recolored(figure) : figure;
+  const axis = {
+    gridcolor: theme.line,
+    linecolor: theme.line,
+    zerolinecolor: theme.line,
+    tickcolor: theme.line,
+    ticks: "outside",
+    fixedrange: false,
+  };
+  const { title: _, ...layout } = source.layout;
+  return {
+    data: source.data,
+    layout: {
+      ...layout,
+      uirevision: "kept",
+      paper_bgcolor: "rgba(0,0,0,0)",
+      plot_bgcolor: "rgba(0,0,0,0)",
+      font: { family: theme.type, color: theme.soft, size: 12 },
+      margin: narrow ? { l: 46, r: 10, t: 8, b: 40 } : { l: 62, r: 18, t: 8, b: 42 },
+      legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 12 } },
+      hoverlabel: { bgcolor: theme.paper, bordercolor: theme.line, font: { color: theme.ink } },
+      xaxis: { ...axis, ...layout.xaxis },
+      yaxis: { ...axis, ...layout.yaxis },
+      annotations: layout.annotations.map((/** @type {any} */ note) =>
+        note.bgcolor ? { ...note, bgcolor: theme.paper, borderpad: 3 } : note,
+      ),
+    },
+  };
+}
+
+/**
+ * @param {any} value
+ * @returns {any}
+ */
+function recolored(value) {
+  if (typeof value === "string") return DARK.get(value) ?? value;
+  if (Array.isArray(value)) return typeof value[0] === "number" ? value : value.map(recolored);
+  if (value === null || typeof value !== "object") return value;
+  return Object.fromEntries(Object.entries(value).map(([key, part]) => [key, recolored(part)]));
+}

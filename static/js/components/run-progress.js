@@ -1,0 +1,42 @@
+// @ts-check
+/** How far a job has come: bar, stage, what is left. Built once, then only its texts change. */
+import { h, show } from "../dom.js";
+import { number, remaining } from "../format.js";
+
+/** @typedef {import("../types.js").Job} Job */
+
+export class RunProgress extends HTMLElement {
+  #bar = h("progress", { max: 1, "aria-label": "Progress" });
+  #stage = h("p", { class: "stage" });
+  #left = h("p", { class: "soft" });
+
+  connectedCallback() {
+    this.classList.add("card", "progress");
+    show(this, h("div", { class: "row spread" }, this.#stage, this.#left), this.#bar);
+  }
+
+  /** @param {Job} job */
+  set job(job) {
+    const progress = job.progress ?? {};
+    if (job.state === "queued") {
+      this.#bar.removeAttribute("value");
+      const ahead = job.position ?? 0;
+      show(this.#stage, ahead > 1 ? `Waiting in the queue, place ${ahead}` : "Waiting for a free process");
+      show(this.#left, "It starts by itself; you may leave this page.");
+      return;
+    }
+    const fraction = progress.fraction ?? 0;
+    this.#bar.value = fraction;
+    show(this.#stage, h("strong", null, `${Math.floor(fraction * 100)} %`), ` ${progress.stage || "Starting"}`);
+    show(this.#left, [steps(progress), remaining(progress.remaining)].filter(Boolean).join(" · "));
+  }
+}
+
+/** @param {import("../types.js").Progress} progress */
+function steps(progress) {
+  if (!progress.steps || !progress.step) return "";
+  const rate = progress.rate ? `, ${number(progress.rate, 3)} a second` : "";
+  return `step ${number(progress.step, 6)} of ${number(progress.steps, 6)}${rate}`;
+}
+
+customElements.define("tb-run-progress", RunProgress);

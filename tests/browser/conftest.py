@@ -1,0 +1,138 @@
+"""A real server and a real Chromium for the browser tests.
+
+Pictures go to ``$TRAINBRIDGE_SCREENSHOTS`` where it is set, else to pytest's temporary folder.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+PACKAGES = "apt-get install chromium libegl1 libegl-mesa0 libgl1-mesa-dri"
+START_SECONDS = 30.0
+MESA = ("--no-sandbox", "--use-angle=gl-egl", "--ignore-gpu-blocklist")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Without Chromium these tests are skipped, and say how to get it."""
+    if CHROMIUM is not None:
+        return
+    here = Path(__file__).parent
+    for item in items:
+        if here in item.path.parents:
+            item.add_marker(pytest.mark.skip(reason=f"Chromium is missing: {PACKAGES}"))
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def _wait_until_up(address: str, process: subprocess.Popen[bytes]) -> None:
+    deadline = time.monotonic() + START_SECONDS
+    while time.monotonic() < deadline:
+        assert process.poll() is None, "the server ended before it answered"
+        try:
+            with urllib.request.urlopen(f"{address}/api/v1/meta", timeout=1):
+                return
+        except (urllib.error.URLError, TimeoutError):
+            time.sleep(0.1)
+    raise AssertionError("the server did not answer in time")
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Address of a server that holds no jobs at first."""
+    data = tmp_path_factory.mktemp("data")
+    port = _free_port()
+    command = [sys.executable, "-m", "server", "serve", "--host", "127.0.0.1"]
+    command += ["--port", str(port), "--data", str(data)]
+    log = (data / "server.log").open("wb")
+    process = subprocess.Popen(command, cwd=ROOT, stdout=log, stderr=subprocess.STDOUT)
+    address = f"http://127.0.0.1:{port}"
+    try:
+        _wait_until_up(address, process)
+        yield address
+    finally:
+        process.send_signal(signal.SIGTERM)
+        try:
+            process.wait(10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        log.close()
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Any]:
+    """One browser for each file: two drivers of Playwright cannot run at once."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(MESA))
+        yield browser
+        browser.close()
+
+
+def _note(errors: list[str], error: str) -> None:
+    """Keeps an error; viser's page tries to evaluate a string, is refused, and goes on."""
+    if not error.startswith("Evaluating a string as JavaScript"):
+        errors.append(error)
+
+
+@pytest.fixture
+def new_page(chromium: Any, server: str) -> Iterator[Callable[..., Any]]:
+    """Opens pages; afterwards no page may have met an error of its own."""
+    contexts: list[Any] = []
+    errors: list[str] = []
+
+    def open_page(*, viewer: bool = False, **options: Any) -> Any:
+        context = chromium.new_context(base_url=server, **options)
+        contexts.append(context)
+        if not viewer:  # The 3D view is heavy, and these tests are not about it.
+            context.route(
+                "**/viewer/*/",
+                lambda route: route.fulfill(content_type="text/html", body="<p>3D view</p>"),
+            )
+        page = context.new_page()
+        page.on("pageerror", lambda error: _note(errors, str(error)))
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert errors == []
+
+
+@pytest.fixture
+def page(new_page: Callable[..., Any]) -> Any:
+    """One page of a usual size."""
+    return new_page(viewport={"width": 1280, "height": 860})
+
+
+@pytest.fixture(scope="session")
+def picture(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Any, str], None]:
+    """Takes a picture of a page, for people to look at."""
+    asked = os.environ.get("TRAINBRIDGE_SCREENSHOTS")
+    folder = Path(asked) if asked else tmp_path_factory.mktemp("pictures")
+    folder.mkdir(parents=True, exist_ok=True)
+
+    def take(page: Any, name: str) -> None:
+        page.screenshot(path=str(folder / f"{name}.png"), full_page=True)
+
+    return take

@@ -1,0 +1,61 @@
+// The page's one time: play, pause, bounds, and no jump after a gap.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { TimeCursor } from "../../static/js/time-cursor.js";
+
+function cursor() {
+  const made = new TimeCursor();
+  made.setRange(0, 2);
+  return made;
+}
+
+test("time runs at the rate while playing, and not otherwise", () => {
+  const time = cursor();
+  time.tick(0);
+  assert.equal(time.time, 0);
+  time.play();
+  time.tick(1000);
+  time.tick(1100);
+  assert.ok(Math.abs(time.time - 0.01) < 1e-12);
+  time.pause();
+  time.tick(1200);
+  assert.ok(Math.abs(time.time - 0.01) < 1e-12);
+});
+
+test("a tab that slept goes on where it was", () => {
+  const time = cursor();
+  time.setRate(1);
+  time.play();
+  time.tick(0);
+  time.tick(60_000);
+  assert.equal(time.time, 0.25);
+});
+
+test("it stops at the end and starts again from the beginning", () => {
+  const time = cursor();
+  time.setRate(1);
+  time.seek(1.95);
+  time.play();
+  time.tick(0);
+  time.tick(200);
+  assert.equal(time.time, 2);
+  assert.equal(time.playing, false);
+  time.play();
+  assert.equal(time.time, 0);
+});
+
+test("a seek stays inside the run and tells everyone why", () => {
+  const time = cursor();
+  const reasons = [];
+  time.addEventListener("change", (event) => reasons.push([event.detail.reason, event.detail.time]));
+  time.seek(5);
+  time.seek(Number.NaN);
+  time.seek(-1);
+  assert.deepEqual(reasons, [["seek", 2], ["seek", 0]]);
+});
+
+test("a run without length cannot play", () => {
+  const time = new TimeCursor();
+  time.play();
+  assert.equal(time.playing, false);
+});

@@ -1,0 +1,267 @@
+"""Figures: what is drawn, said and tabulated; decimation keeps every extreme; files open."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pytest
+
+from server.plots import MEDIA_TYPES, FigureRequest, figures, render
+from server.plots.decimation import extreme_indices
+from server.plots.text import quantity
+from solver.arrays import Vector
+from solver.errors import InputError
+from solver.results import ChannelSpec, SlabPoints
+from solver.units import Units
+
+STEP = 1e-3
+N_SAMPLE = 4001
+TIME = np.arange(N_SAMPLE) * STEP
+AXIS = "mid-span 2, axis/acceleration"
+
+
+@dataclass
+class Plan:
+    channels: tuple[ChannelSpec, ...]
+    slab: SlabPoints
+    time_step: float = STEP
+    n_sample: int = N_SAMPLE
+    speed: float = 120.0
+    start_position: float = -66.0
+    window_start: float = 0.4
+    facts: Mapping[str, Any] = field(default_factory=dict[str, Any])
+
+
+@dataclass
+class Run:
+    plan: Plan
+    histories: dict[str, Vector]
+    committed: int = N_SAMPLE
+    summary: Mapping[str, Any] | None = None
+
+    def channel(self, name: str, start: int = 0, stop: int | None = None) -> Vector:
+        return self.histories[name][: self.committed][start:stop]
+
+    def filtered(self, name: str) -> Vector:
+        return self.histories[name]
+
+
+def _spec(name: str, group: str, unit: Any) -> ChannelSpec:
+    return ChannelSpec(name=name, unit=unit, title=name.replace("/", " "), group=group)
+
+
+def _run(**changes: Any) -> Run:
+    slow = 4.0 * np.sin(2 * np.pi * 2 * TIME) * np.exp(-((TIME - 2.0) ** 2))
+    raw = slow + 3.0 * np.sin(2 * np.pi * 180 * TIME)
+    force = 83e3 + 1e3 * np.sin(30 * TIME)
+    force[0] = 83.4e3
+    force[2000:2010] = 0.0
+    channels = (
+        _spec(AXIS, "deck", Units.acceleration),
+        _spec("mid-span 2, axis/displacement", "deck", Units.small_length),
+        _spec("wheel 01 left/contact force", "wheel", Units.force),
+        _spec("wheel 01 right/contact force", "wheel", Units.force),
+        _spec("wheel 02 left/contact force", "wheel", Units.force),
+    )
+    slab = SlabPoints(
+        coordinates=np.zeros((1, 3)),
+        span=np.zeros(1, dtype=np.int64),
+        judged_spans=(1,),
+        named={"mid-span 2, axis": 0},
+    )
+    histories = {
+        AXIS: raw,
+        AXIS + " (filtered)": slow,
+        "mid-span 2, axis/displacement": -2e-3 * np.sin(np.pi * TIME / 4),
+        "wheel 01 left/contact force": force,
+        "wheel 01 right/contact force": force + 500.0,
+        "wheel 02 left/contact force": force,
+    }
+    return Run(plan=Plan(channels=channels, slab=slab), histories=histories, **changes)
+
+
+def _finished() -> Run:
+    summary = {
+        "filtered": [{"name": "mid-span 2, axis", "channel": AXIS + " (filtered)"}],
+        "verdicts": [
+            {
+                "rule": "deck acceleration",
+                "limit": 3.5,
+                "value": 3.98,
+                "cut_off": 30.0,
+                "place": {"name": "slab, span 2", "x": 29.2, "y": 0.0, "z": 1.335},
+                "time": 2.31,
+            }
+        ],
+    }
+    return _run(summary=summary)
+
+
+def _draw(name: str, run: Run, **request: Any) -> dict[str, Any]:
+    return figures()[name](run, FigureRequest(**request))
+
+
+@pytest.mark.parametrize("points", [4, 50, 333, 2000])
+def test_decimation_keeps_every_buckets_extremes_and_the_ends(points: int) -> None:
+    rng = np.random.default_rng(3)
+    values = rng.normal(size=21_001)
+    values[[7, 10_007, 20_999]] = [9.0, -11.0, 10.0]
+    keep = extreme_indices(values, points)
+    assert keep.size <= points
+    assert (np.diff(keep) > 0).all()
+    assert {0, values.size - 1, 10_007} <= set(keep.tolist())
+    assert values[keep].max() == values.max()
+    if points >= 50:
+        assert {7, 20_999} <= set(keep.tolist())
+
+
+def test_decimation_leaves_short_histories_alone_and_passes_over_gaps() -> None:
+    assert extreme_indices(np.arange(30.0), 50).tolist() == list(range(30))
+    values = np.sin(np.linspace(0, 20, 5000))
+    values[1000:2000] = np.nan
+    assert np.nanmax(values[extreme_indices(values, 200)]) == np.nanmax(values)
+
+
+def test_a_running_slab_figure_draws_raw_only_and_within_what_is_committed() -> None:
+    figure = _draw("slab-acceleration", _run(committed=1500))
+    (raw,) = figure["data"]
+    assert raw["name"] == "mid-span 2, axis, raw"
+    assert max(raw["x"]) == pytest.approx(1.499)
+    assert figure["layout"]["xaxis"]["range"] == [0.0, 4.0]  # the whole run, so that it grows
+
+
+def test_a_finished_slab_figure_draws_band_and_named_peak_of_the_filtered_curve() -> None:
+    figure = _draw("slab-acceleration", _finished())
+    raw, bold = figure["data"]
+    assert raw["line"]["width"] < bold["line"]["width"]
+    assert bold["name"] == "mid-span 2, axis, below 30 Hz"
+    band = [shape for shape in figure["layout"]["shapes"] if shape.get("y0") == -3.5]
+    assert {shape["type"] for shape in band} == {"rect", "line"}
+    (peak,) = [note for note in figure["layout"]["annotations"] if note["showarrow"]]
+    slow = np.abs(np.array(bold["y"]))
+    assert abs(peak["y"]) == pytest.approx(slow.max(), rel=1e-6)
+    assert "mid-span 2, axis" in peak["text"]
+    assert "outside ±3.5 m/s²" in figure["summary"]
+    assert "3.98 m/s² at x = 29.2 m, y = 0.00 m, t = 2.310 s" in figure["summary"]
+
+
+def test_the_run_in_is_shaded_and_its_peaks_do_not_count() -> None:
+    run = _finished()
+    run.histories[AXIS + " (filtered)"][100] = 50.0  # before window_start = 0.4 s
+    figure = _draw("slab-acceleration", run)
+    (peak,) = [note for note in figure["layout"]["annotations"] if note["showarrow"]]
+    assert abs(peak["y"]) < 5.0
+    assert any(shape.get("x1") == 0.4 for shape in figure["layout"]["shapes"])
+
+
+def test_contact_forces_are_in_kilonewtons_with_static_load_and_loss_of_contact() -> None:
+    figure = _draw("contact-force", _run())
+    assert [curve["name"] for curve in figure["data"]] == ["wheel 01 left", "wheel 01 right"]
+    assert figure["data"][0]["y"][0] == pytest.approx(83.4)
+    levels = [shape["y0"] for shape in figure["layout"]["shapes"] if shape["type"] == "line"]
+    assert levels == pytest.approx([0.0, 83.4])
+    assert figure["table"][0]["contact_lost"] == pytest.approx(0.010)  # ten samples of 1 ms
+    assert "contact lost for 10 ms" in figure["summary"]
+    assert "always in contact" in figure["summary"]
+
+
+def test_displacements_are_in_millimetres_upward() -> None:
+    figure = _draw("displacement", _run())
+    assert min(figure["data"][0]["y"]) == pytest.approx(-2.0)
+    assert "2 mm down" in figure["summary"]
+
+
+def test_channels_window_and_points_are_as_asked() -> None:
+    figure = _draw(
+        "contact-force",
+        _run(),
+        channels=("wheel 02 left/contact force",),
+        start=1.0,
+        stop=1.5,
+        points=60,
+    )
+    (curve,) = figure["data"]
+    assert len(curve["x"]) <= 60
+    assert (min(curve["x"]), max(curve["x"])) == pytest.approx((1.0, 1.501))
+    assert figure["layout"]["xaxis"]["range"] == [1.0, 1.5]
+
+
+@pytest.mark.parametrize(
+    ("request_", "field"),
+    [
+        ({"points": 3}, "points"),
+        ({"points": 10**9}, "points"),
+        ({"start": 2.0, "stop": 1.0}, "from"),
+        ({"stop": float("nan")}, "to"),
+        ({"channels": ("a",) * 17}, "channels"),
+        ({"channels": ("no such channel",)}, "channels"),
+    ],
+)
+def test_bad_requests_name_the_field(request_: dict[str, Any], field: str) -> None:
+    with pytest.raises(InputError) as caught:
+        _draw("displacement", _run(), **request_)
+    assert caught.value.field == field
+
+
+@pytest.mark.parametrize("name", sorted(figures()))
+def test_before_the_first_step_a_figure_is_empty_and_says_so(name: str) -> None:
+    figure = _draw(name, _run(committed=0))
+    assert "No step has been computed yet" in figure["summary"]
+    assert render(figure, "png").startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("name", sorted(figures()))
+def test_figures_are_plain_json(name: str) -> None:
+    run = _finished()
+    run.histories[AXIS][5] = np.nan
+    json.dumps(_draw(name, run), allow_nan=False)
+
+
+def test_names_with_markup_are_shown_and_never_read() -> None:
+    run = _run()
+    evil = "<a href='x'>$\\frac{</a> & more/displacement"
+    run.plan.channels = (_spec(evil, "deck", Units.small_length),)
+    run.histories = {evil: TIME}
+    figure = _draw("displacement", run)
+    assert figure["data"][0]["name"].startswith("&lt;a href='x'&gt;$")
+    svg = render(figure, "svg").decode()
+    assert "<a href" not in svg
+    assert "$\\frac{" in svg
+
+
+@pytest.mark.parametrize(
+    ("file_format", "magic"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")]
+)
+def test_files_are_drawn_from_the_same_dictionary_and_repeat(
+    file_format: str, magic: bytes
+) -> None:
+    figure = _draw("slab-acceleration", _finished())
+    first = render(figure, file_format)
+    assert file_format in MEDIA_TYPES
+    assert first.startswith(magic)
+    assert render(figure, file_format) == first
+    if file_format == "svg":
+        assert "mid-span 2, axis, below 30 Hz" in first.decode()
+
+
+def test_an_unknown_file_format_is_refused() -> None:
+    with pytest.raises(InputError, match="png, svg or pdf"):
+        render(_draw("displacement", _run()), "exe")
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(3.98, "3.98 kN"), (-0.5, "−0.5 kN"), (12345.6, "12346 kN"), (4e-8, "0 kN")]
+)
+def test_quantities_read_as_engineers_write_them(value: float, text: str) -> None:
+    assert quantity(value, Units.force) == text
+
+
+def test_the_force_axis_shows_zero_only_when_a_wheel_comes_near_to_it() -> None:
+    losing = _draw("contact-force", _run())["layout"]["yaxis"]["range"]
+    assert losing[0] < 0.0
+    steady = _draw("contact-force", _run(), stop=1.5)["layout"]["yaxis"]["range"]
+    assert 80.0 < steady[0] < 82.0  # the band of +-1 kN about 83 kN fills the axis

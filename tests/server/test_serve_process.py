@@ -1,0 +1,207 @@
+"""The server as a process of its own: signals, sudden death, second servers."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import psutil
+import pytest
+
+from server.jobs.lock import FolderInUseError, FolderLock
+from server.jobs.worker import run_study
+from server.store import RunReader
+from solver import studies
+from tests.server.server_case import ENDED, beam_study, until
+
+ROOT = Path(__file__).parents[2]
+
+
+@contextmanager
+def server_process(data: Path, *options: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """``trainbridge serve`` on a free port, and its address."""
+    command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
+    process = subprocess.Popen(
+        [*command, *options], stdout=subprocess.PIPE, text=True, cwd=ROOT
+    )
+    try:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        assert "http://" in line, line
+        address = line.split()[2]
+        until(lambda: answers(address), bool)
+        yield process, address
+    finally:
+        process.kill()
+        process.wait()
+        process.stdout.close()  # type: ignore[union-attr]
+
+
+def answers(address: str) -> bool:
+    try:
+        return httpx.get(f"{address}/api/v1/health").status_code == 200
+    except httpx.TransportError:
+        return False
+
+
+def alive_after(seconds: float, processes: list[psutil.Process]) -> list[psutil.Process]:
+    """Those that still run; a dead orphan may wait for its new parent to take note of it."""
+    limit = time.monotonic() + seconds
+    while alive := [process for process in processes if runs(process)]:
+        if time.monotonic() > limit:
+            return alive
+        time.sleep(0.02)
+    return []
+
+
+def runs(process: psutil.Process) -> bool:
+    try:
+        return process.status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
+
+
+def submit(address: str, study: dict[str, Any]) -> str:
+    answer = httpx.post(f"{address}/api/v1/jobs", json={"study": study})
+    assert answer.status_code == 202, answer.text
+    return answer.json()["id"]
+
+
+def job(address: str, number: str) -> dict[str, Any]:
+    return httpx.get(f"{address}/api/v1/jobs/{number}").json()
+
+
+def long_study() -> dict[str, Any]:
+    """Some seconds of steps."""
+    study = beam_study()
+    study["integration"]["time_step"] = 2e-4
+    study["extent"]["run_out"] = 1.0
+    return study
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", [0.2, 0.5, 0.8])
+def test_a_killed_server_leaves_nothing_behind_and_loses_nothing(
+    tmp_path: Path, part: float
+) -> None:
+    study = long_study()
+    with server_process(tmp_path / "data") as (process, address):
+        number = submit(address, study)
+        until(
+            lambda: job(address, number)["progress"],
+            lambda progress: progress is not None and progress["fraction"] >= part,
+            60,
+        )
+        children = psutil.Process(process.pid).children(recursive=True)
+        assert children
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+        assert alive_after(1.0, children) == []
+    with server_process(tmp_path / "data") as (_, address):
+        found = until(lambda: job(address, number), lambda j: j["state"] in ENDED, 60)
+        assert found["state"] == "done", found
+        run = httpx.get(f"{address}/api/v1/runs/{found['runs'][0]['id']}").json()
+        assert run["attempt"] == 2
+        assert run["progress"]["fraction"] == 1.0
+    again = RunReader(tmp_path / "data" / "runs" / run["id"] / "002")
+    # Undisturbed, in this process: the same arithmetic, bit for bit.
+    loaded = studies.template("sprung-mass-beam").study
+    assert studies.to_json(loaded)["train"] == study["train"]
+    from server.jobs.submission import read_study
+
+    run_study(read_study(study), 0, tmp_path / "undisturbed", lambda _: None)
+    undisturbed = RunReader(tmp_path / "undisturbed")
+    names = [channel.name for channel in undisturbed.plan.channels]
+    np.testing.assert_array_equal(again.channel_rows(names), undisturbed.channel_rows(names))
+
+
+def test_it_stops_at_once_with_streams_open_and_runs_computing(tmp_path: Path) -> None:
+    for number in (signal.SIGTERM, signal.SIGINT):
+        with server_process(tmp_path / str(int(number))) as (process, address):
+            made = submit(address, long_study())
+            until(lambda: job(address, made)["state"], lambda state: state == "running")  # noqa: B023
+            children = psutil.Process(process.pid).children(recursive=True)
+            listening = [threading.Event() for _ in range(3)]
+
+            def listen(opened: threading.Event, address: str = address) -> None:
+                with httpx.stream("GET", f"{address}/api/v1/events", timeout=30) as answer:
+                    for _ in answer.iter_lines():
+                        opened.set()
+
+            threads = [threading.Thread(target=listen, args=(event,)) for event in listening]
+            for thread in threads:
+                thread.start()
+            assert all(event.wait(10) for event in listening)
+            begin = time.monotonic()
+            process.send_signal(number)
+            assert process.wait(timeout=10) == 0
+            assert time.monotonic() - begin < 5.0
+            for thread in threads:
+                thread.join(5)
+            assert alive_after(1.0, children) == []
+
+
+def test_a_second_server_on_the_same_folder_is_refused(tmp_path: Path) -> None:
+    with server_process(tmp_path) as (process, _):
+        second = serve_briefly("--data", str(tmp_path), "--port", "0")
+        assert second.returncode == 1
+        assert f"(process {process.pid}) works in the data folder" in second.stderr
+        assert "--data" in second.stderr
+    # The lock died with its holder.
+    FolderLock(tmp_path).release()
+
+
+def test_a_port_in_use_is_said(tmp_path: Path) -> None:
+    with server_process(tmp_path / "a") as (_, address):
+        port = address.rsplit(":", 1)[1]
+        second = serve_briefly("--data", str(tmp_path / "b"), "--port", port)
+    assert second.returncode == 1
+    assert f"Port {port}" in second.stderr
+    assert "--port" in second.stderr
+
+
+def test_the_network_needs_a_token(tmp_path: Path) -> None:
+    refused = serve_briefly("--data", str(tmp_path), "--host", "0.0.0.0", "--port", "0")
+    assert refused.returncode == 1
+    assert "TRAINBRIDGE_TOKEN" in refused.stderr
+    assert "--token-file" in refused.stderr
+    assert "Traceback" not in refused.stderr
+
+
+def test_a_folder_of_another_version_is_refused(tmp_path: Path) -> None:
+    import sqlite3
+
+    from server.store import Database
+
+    Database(tmp_path / "trainbridge.sqlite").close()
+    with sqlite3.connect(tmp_path / "trainbridge.sqlite") as connection:
+        connection.execute("UPDATE schema_version SET version = 99")
+    connection.close()
+    refused = serve_briefly("--data", str(tmp_path), "--port", "0")
+    assert refused.returncode == 1
+    assert "schema 99" in refused.stderr
+    assert "--data" in refused.stderr
+
+
+def test_a_lock_names_its_holder(tmp_path: Path) -> None:
+    with FolderLock(tmp_path), pytest.raises(FolderInUseError, match=f"process {os.getpid()}"):
+        FolderLock(tmp_path)
+
+
+def serve_briefly(*options: str) -> subprocess.CompletedProcess[str]:
+    """A server that should end by itself."""
+    environment = {k: v for k, v in os.environ.items() if k != "TRAINBRIDGE_TOKEN"}
+    return subprocess.run(
+        [sys.executable, "-m", "server", "serve", *options],
+        capture_output=True, text=True, timeout=60, cwd=ROOT, env=environment, check=False,
+    )

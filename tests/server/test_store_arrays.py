@@ -1,0 +1,264 @@
+"""Results on disk: what is written is read, in bounded memory, and never torn."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from server.store import NotStoredError, RunReader, RunWriter
+from solver.results import (
+    BodyGeometry,
+    ChannelSpec,
+    Frame,
+    Geometry,
+    Layer,
+    RunPlan,
+    Sample,
+    SlabPoints,
+    WheelGeometry,
+)
+from solver.units import Units
+
+N_POINT = 150
+N_VERTEX = 12
+
+
+def make_plan(n_step: int, *, n_point: int = N_POINT, frame_stride: int = 20) -> RunPlan:
+    """A small plan with every part that is stored."""
+    channels = tuple(
+        ChannelSpec(
+            name=f"wheel {i:02d} right/contact force",
+            unit=Units.force,
+            title=f"Contact force, wheel {i}",
+            group="wheel",
+            place=(27.0, 0.0, 1.3) if i == 0 else None,
+            time_offset=-1e-5,
+        )
+        for i in range(37)
+    )
+    return RunPlan(
+        n_step=n_step,
+        time_step=1e-3,
+        speed=120.0,
+        start_position=-18.0,
+        window_start=0.1,
+        channels=channels,
+        slab=SlabPoints(
+            coordinates=np.arange(3.0 * n_point).reshape(n_point, 3),
+            span=np.zeros(n_point, np.int64),
+            judged_spans=(0,),
+            named={"mid-span 2, axis": 3} if n_point else {},
+        ),
+        geometry=Geometry(
+            vertices=np.linspace(0.0, 1.0, 3 * N_VERTEX).reshape(N_VERTEX, 3),
+            layers=(Layer(name="slab", faces=np.array([[0, 1, 2, 3]])),),
+            wheels=WheelGeometry(
+                names=("wheel 01 right",),
+                offsets=np.zeros(1),
+                lateral=np.array([-0.7175]),
+                contact_height=1.6,
+                radius=0.46,
+            ),
+            bodies=(
+                BodyGeometry(name="car 01", kind="carbody", offset=0.0, size=(13, 3, 3), base=1.0),
+            ),
+            spans=np.array([[0.0, 16.5]]),
+        ),
+        frame_stride=frame_stride,
+        facts={"mesh level": "coarse"},
+    )
+
+
+def samples_of(plan: RunPlan) -> Iterator[Sample]:
+    """Values that tell their own step."""
+    n_point = plan.slab.coordinates.shape[0]
+    for step in range(plan.n_sample):
+        frame = None
+        if step % plan.frame_stride == 0:
+            frame = Frame(
+                displacement=np.full((N_VERTEX, 3), float(step)), bodies=np.full((1, 3), -step)
+            )
+        yield Sample(
+            step=step,
+            time=step * plan.time_step,
+            channels=step + np.arange(len(plan.channels)) / 100.0,
+            slab=step + np.arange(n_point) / 1000.0,
+            frame=frame,
+        )
+
+
+def test_what_is_written_is_read(tmp_path: Path) -> None:
+    plan = make_plan(5000)
+    writer = RunWriter(tmp_path / "run", plan)
+    for sample in samples_of(plan):
+        writer.append(sample)
+    writer.finish({"peaks": {"contact force": np.float64(1.5), "none": float("nan")}})
+    reader = RunReader(tmp_path / "run")
+
+    assert reader.done
+    assert reader.committed == 5001
+    assert reader.committed_frames == 251
+    assert reader.summary == {"peaks": {"contact force": 1.5, "none": None}}
+    steps = np.arange(5001.0)
+    np.testing.assert_array_equal(reader.times(), steps * 1e-3)
+    np.testing.assert_array_equal(reader.channel("wheel 36 right/contact force"), steps + 0.36)
+    rows = reader.channel_rows(["wheel 20 right/contact force", "wheel 02 right/contact force"], 9)
+    np.testing.assert_array_equal(rows, (steps[9:, None] + np.array([0.20, 0.02])))
+    np.testing.assert_allclose(reader.slab_point(149, 10, 12), [10.149, 11.149], rtol=1e-7)
+    frame = reader.frame(7)
+    assert reader.frame_step(7) == 140
+    assert frame.displacement.shape == (N_VERTEX, 3)
+    assert np.all(frame.displacement == 140)
+    assert np.all(frame.bodies == -140)
+    blocks = list(reader.slab_blocks(64))
+    assert [len(indices) for indices, _ in blocks] == [64, 64, 22]
+    # Single precision at values of up to 5000.
+    np.testing.assert_allclose(blocks[2][1][:, 21], steps + 0.149, rtol=1e-6)
+
+
+def test_the_plan_comes_back_whole(tmp_path: Path) -> None:
+    plan = make_plan(10)
+    RunWriter(tmp_path / "run", plan)
+    stored = RunReader(tmp_path / "run").plan
+
+    assert stored.channels == plan.channels
+    assert stored.facts == plan.facts
+    assert stored.slab.named == plan.slab.named
+    assert stored.geometry.bodies == plan.geometry.bodies
+    assert stored.geometry.wheels.names == plan.geometry.wheels.names
+    np.testing.assert_array_equal(stored.geometry.vertices, plan.geometry.vertices)
+    np.testing.assert_array_equal(stored.geometry.layers[0].faces, plan.geometry.layers[0].faces)
+    assert (stored.n_sample, stored.n_frame, stored.speed) == (11, 1, 120.0)
+
+
+def test_a_run_without_slab_or_frames_is_stored(tmp_path: Path) -> None:
+    plan = make_plan(30, n_point=0)
+    writer = RunWriter(tmp_path / "run", plan)
+    for sample in samples_of(plan):
+        writer.append(sample)
+    writer.finish({})
+
+    assert list(RunReader(tmp_path / "run").slab_blocks(64)) == []
+
+
+def test_memory_does_not_grow_with_steps(tmp_path: Path) -> None:
+    held = []
+    for n_step in (4000, 40_000):
+        plan = make_plan(n_step, n_point=8)
+        writer = RunWriter(tmp_path / str(n_step), plan)
+        most = 0
+        for sample in samples_of(plan):
+            writer.append(sample)
+            most = max(most, writer.buffered_rows)
+        held.append((most, writer.buffer_bytes))
+    assert held[0] == held[1]
+
+
+def test_shards_follow_the_runs_own_pace(tmp_path: Path) -> None:
+    # 0.1 s a step: the first shard closes after 2 s, and every later one after as many rows.
+    plan = make_plan(100)
+    now = 0.0
+    writer = RunWriter(tmp_path / "run", plan, clock=lambda: now)
+    reader = RunReader(tmp_path / "run")
+    seen = set()
+    for sample in samples_of(plan):
+        now += 0.1
+        writer.append(sample)
+        seen.add(reader.committed)
+    assert sorted(seen)[:3] == [0, 21, 42]
+
+
+def test_an_aborted_run_can_be_read_up_to_its_end(tmp_path: Path) -> None:
+    plan = make_plan(1000)
+    writer = RunWriter(tmp_path / "run", plan)
+    for sample in samples_of(plan):
+        if sample.step == 333:
+            break
+        writer.append(sample)
+    writer.abort()
+    reader = RunReader(tmp_path / "run")
+
+    assert reader.committed == 333
+    assert not reader.done
+    assert reader.channel("wheel 00 right/contact force")[-1] == 332
+
+
+def test_a_shard_is_written_once(tmp_path: Path) -> None:
+    # A second writing of the same shard could tear a concurrent reading.
+    writer = RunWriter(tmp_path / "run", make_plan(5000))
+    samples = samples_of(writer.plan)
+    for _ in range(50):
+        writer.append(next(samples))
+    writer.flush()
+    for _ in range(50):
+        writer.append(next(samples))
+    writer.flush()
+    writer.append(next(samples))
+    writer.flush()
+    with pytest.raises(ValueError, match="sample 101"):
+        writer.append(next(samples))
+
+
+def test_unknown_things_are_refused(tmp_path: Path) -> None:
+    reader = RunReader(tmp_path / "run")
+    assert reader.committed == 0
+    assert not reader.has_plan
+    with pytest.raises(NotStoredError, match="no histories yet"):
+        _ = reader.plan
+    RunWriter(tmp_path / "run", make_plan(10))
+    with pytest.raises(NotStoredError, match="no channel"):
+        reader.channel("nothing")
+    with pytest.raises(NotStoredError, match="Frame 0"):
+        reader.frame(0)
+
+
+def test_a_reader_beside_the_writer_never_sees_a_torn_step(tmp_path: Path) -> None:
+    # The rewriting into long shards happens under the reader's hands as well.
+    plan = make_plan(6000, n_point=8)
+    writer = RunWriter(tmp_path / "run", plan)
+    failures: list[str] = []
+    ended = threading.Event()
+
+    def read() -> None:
+        reader = RunReader(tmp_path / "run")
+        while not ended.is_set():
+            committed = reader.committed
+            history = reader.channel("wheel 00 right/contact force", 0, committed)
+            if not np.array_equal(history, np.arange(float(committed))):
+                failures.append(f"{committed} samples")
+
+    thread = threading.Thread(target=read)
+    thread.start()
+    try:
+        for sample in samples_of(plan):
+            writer.append(sample)
+            if sample.step == 96:
+                writer.flush()
+        writer.finish({})
+    finally:
+        ended.set()
+        thread.join()
+    assert failures == []
+
+
+def test_live_arrays_give_way_to_long_ones(tmp_path: Path) -> None:
+    plan = make_plan(300)
+    writer = RunWriter(tmp_path / "run", plan)
+    for sample in samples_of(plan):
+        writer.append(sample)
+    writer.finish({})
+    names = {path.name for path in (tmp_path / "run").iterdir()}
+    assert names == {
+        "plan.json",
+        "plan.zarr",
+        "commit.json",
+        "result.zarr",
+        "summary.json",
+        "DONE",
+    }
+    assert json.loads((tmp_path / "run" / "commit.json").read_text())["samples"] == 301
