@@ -7,7 +7,6 @@ import os
 # Before numpy is imported anywhere: results must not depend on the number of cores.
 for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
-os.environ.setdefault("MKL_CBWR", "COMPATIBLE")
 
 import pytest
 

@@ -11,9 +11,13 @@ SINGLE_THREAD = {
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
     "NUMEXPR_NUM_THREADS": "1",
-    "MKL_CBWR": "COMPATIBLE",
 }
-"""Libraries read these when they are loaded."""
+"""Libraries read these when they are loaded.
+
+One thread and arrays of one alignment (``solver.factorisation.pardiso``) repeat a run bit for bit
+on one machine. ``MKL_CBWR=COMPATIBLE`` would do so across processors as well, at 1.6 to 2 times
+the cost of each large solve: set it yourself where results must agree between machines.
+"""
 
 
 def single_threaded() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from server.plots.figure import (
 from server.plots.palette import CURVES, LIMIT, MUTED
 from server.plots.request import FigureRequest
 from server.plots.source import RunSource
-from server.plots.text import quantity
+from server.plots.text import quantity, sentence
 from solver.results import ChannelSpec
 
 __all__ = ["contact_force"]
@@ -26,6 +27,8 @@ __all__ = ["contact_force"]
 QUANTITY = "/contact force"
 NEAR_LOSS = 0.5
 """Part of the static load below which the axis reaches down to zero."""
+SAME = 1e-4
+"""Relative difference below which two curves cannot be told apart."""
 AIR = 0.12
 """Free height above and below the curves, as a part of theirs."""
 
@@ -45,6 +48,8 @@ def contact_force(run: RunSource, request: FigureRequest) -> Figure:
     """
     chosen = _chosen(run, request)
     curves = [raw_curve(run, spec, request, spec.name.removesuffix(QUANTITY)) for spec in chosen]
+    if not request.channels:
+        curves = _joined(curves)
     shapes, notes = [horizontal_line(0.0, LIMIT, "solid")], []
     if curves:
         notes.append(horizontal_note(0.0, "0: contact lost", LIMIT))
@@ -86,6 +91,16 @@ def _chosen(run: RunSource, request: FigureRequest) -> Sequence[ChannelSpec]:
     return first_axle[:2] or forces[:2]
 
 
+def _joined(curves: list[Curve]) -> list[Curve]:
+    """On rails without a defect on one side both wheels feel the same: one curve says so."""
+    if len(curves) != 2 or not curves[0].values.size or not curves[1].name.endswith(" right"):
+        return curves
+    left, right = curves
+    if not np.allclose(left.values, right.values, rtol=SAME, atol=SAME * left.values.max()):
+        return curves
+    return [replace(left, name=f"{left.name} and right")]
+
+
 def _static_load(run: RunSource, chosen: Sequence[ChannelSpec]) -> float | None:
     """The first wheel's load at the static start, in display units."""
     if run.committed == 0 or not chosen:
@@ -117,7 +132,9 @@ def _summary(run: RunSource, curves: Sequence[Curve]) -> str:
         lost = time_lost(curve)
         state = f"contact lost for {lost * 1e3:.3g} ms" if lost > 0.0 else "always in contact"
         sentences.append(
-            f"{curve.name}: between {quantity(least.value, curve.unit)} and "
-            f"{quantity(greatest.value, curve.unit)}, {state}."
+            sentence(
+                f"{curve.name}: between {quantity(least.value, curve.unit)} and "
+                f"{quantity(greatest.value, curve.unit)}, {state}"
+            )
         )
     return " ".join(sentences) or "No wheel is recorded."

@@ -9,7 +9,7 @@ from server.plots.figure import Figure, compose, table_row, trace
 from server.plots.palette import CURVES
 from server.plots.request import FigureRequest
 from server.plots.source import RunSource
-from server.plots.text import quantity
+from server.plots.text import NEGLIGIBLE, quantity, sentence
 from solver.results import ChannelSpec
 
 __all__ = ["displacement"]
@@ -64,9 +64,10 @@ def _summary(run: RunSource, curves: Sequence[Curve]) -> str:
     sentences: list[str] = []
     for curve in curves:
         peak = curve.peak(0.0)
-        if peak is None:
+        if peak is None or abs(peak.value) < NEGLIGIBLE:
             continue
         way = "down" if peak.value < 0 else "up"
         size = quantity(abs(peak.value), curve.unit)
-        sentences.append(f"{curve.name}: at most {size} {way}, at t = {peak.time:.3f} s.")
-    return " ".join(sentences) or "No displacement is recorded."
+        words = f"{curve.name}: at most {size} {way}, at t = {peak.time:.3f} s"
+        sentences.append(sentence(words))
+    return " ".join(sentences) or "Nothing has moved yet."

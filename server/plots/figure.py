@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 from server.plots.curves import Curve, Extreme
-from server.plots.palette import MUTED, PAPER
+from server.plots.palette import INK, MUTED, PAPER
 from server.plots.request import FigureRequest
 from server.plots.source import PlanSource
 from server.plots.text import escape, unit_text
@@ -101,7 +101,7 @@ def run_in(plan: PlanSource) -> list[dict[str, Any]]:
 
 
 def callout(extreme: Extreme, text: str, color: str, *, leftwards: bool) -> dict[str, Any]:
-    """An arrow with words at a value of a curve; the words stand to its left or right."""
+    """An arrow in a curve's colour at one of its values; words stand to its left or right."""
     return {
         "xref": "x",
         "x": round(extreme.time, 6),
@@ -113,7 +113,7 @@ def callout(extreme: Extreme, text: str, color: str, *, leftwards: bool) -> dict
         "arrowcolor": color,
         "ax": -48 if leftwards else 48,
         "ay": -34 if extreme.value >= 0 else 34,
-        "font": {"size": 11, "color": color},
+        "font": {"size": 11, "color": INK},
         "bgcolor": PAPER,
         "align": "left",
         "xanchor": "right" if leftwards else "left",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["CURVES", "LIMIT", "MUTED", "PALE_CURVES", "PAPER", "WITHIN"]
+__all__ = ["CURVES", "INK", "LIMIT", "MUTED", "PALE_CURVES", "PAPER", "WITHIN"]
 
 BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
 ORANGE, SKY, PURPLE = "#E69F00", "#56B4E9", "#CC79A7"
@@ -17,5 +17,7 @@ WITHIN = GREEN
 """Of the range that a limit allows."""
 MUTED = "#7A8794"
 """Of reference lines and of what does not count."""
+INK = "#22303C"
+"""Of words that name a value."""
 PAPER = "#FFFFFF"
 """Behind words that lie on curves."""

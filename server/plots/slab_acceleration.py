@@ -1,14 +1,16 @@
 """Vertical acceleration of the upper slab, with the band that the standard allows.
 
 While the run computes, raw histories are drawn. Once it is finished, each raw history lies thin
-behind its low-pass filtered one, at the cut-off that decided the verdict, and the greatest filtered
-value is named.
+behind its low-pass filtered one, at the cut-off that decided the verdict; the filtered history of
+the point that decides lies over them, and the greatest filtered value is named.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any
+
+import numpy as np
 
 from server.plots.curves import Curve, channel_named, filtered_curve, raw_curve
 from server.plots.figure import (
@@ -24,13 +26,15 @@ from server.plots.figure import (
 from server.plots.palette import CURVES, LIMIT, PALE_CURVES, WITHIN
 from server.plots.request import FigureRequest
 from server.plots.source import RunSource
-from server.plots.text import quantity
+from server.plots.text import beside, coordinate, quantity, sentence
 from solver.results import ChannelSpec
 from solver.units import Units
 
 __all__ = ["slab_acceleration"]
 
 FILTERED = " (filtered)"
+DECIDING = "deciding point"
+DECIDING_COLOR = CURVES[1]
 BALLASTED_LIMIT = 3.5
 """EN 1990:2002+A1, A2.4.4.2.1(4): ballasted track. [m/s2]"""
 
@@ -64,16 +68,23 @@ def slab_acceleration(run: RunSource, request: FigureRequest) -> Figure:
             name = f"{place}, {cut_off}" if cut_off else f"{place}, filtered"
             curves.append(filtered_curve(run, spec, filtered_name, request, name))
             traces.append(trace(curves[-1], request, color, 2.2))
+    table = [table_row(curve) for curve in curves]
+    deciding = None if request.channels else _deciding_curve(run, request, stored)
+    if deciding is not None:
+        curves.append(deciding)
+        traces.append(trace(deciding, request, DECIDING_COLOR, 1.4))
+        # No channel holds it: there is nothing to choose or to fetch under its name.
+        table.append({**table_row(deciding), "channel": ""})
     judged = [curve for curve in curves if not curve.name.endswith(", raw")] or curves
     return compose(
         plan=run.plan,
         title="Vertical acceleration of the slab",
         value_title="acceleration [m/s²]",
         traces=traces,
-        table=[table_row(curve) for curve in curves],
-        summary=_summary(run, judged, limit),
+        table=table,
+        summary=_summary(run, judged, limit, deciding is not None),
         shapes=_band(limit),
-        annotations=[*_limit_notes(limit), *_peak(run, judged, request)],
+        annotations=[*_limit_notes(limit), *_peak(run, judged, limit, request)],
         request=request,
     )
 
@@ -104,6 +115,28 @@ def _acceleration_verdict(run: RunSource) -> Mapping[str, Any] | None:
         if "acceleration" in str(verdict.get("rule", "")).lower():
             return verdict
     return None
+
+
+def _deciding_curve(
+    run: RunSource, request: FigureRequest, stored: Mapping[str, str]
+) -> Curve | None:
+    """The filtered history that holds the verdict's value: it may lie beside the named points."""
+    verdict, name = _acceleration_verdict(run), stored.get(f"{DECIDING}/acceleration")
+    if verdict is None or name is None:
+        return None
+    place, like = verdict["place"], _chosen(run, request)[0]
+    if like.place is not None and np.allclose(like.place[:2], (place["x"], place["y"]), atol=1e-3):
+        return None
+    words = f"{DECIDING}, {_where(place)}"
+    spec = ChannelSpec(
+        name=f"{words}/acceleration",
+        unit=like.unit,
+        title=f"Vertical acceleration, {words}",
+        group="deck",
+        place=(place["x"], place["y"], place["z"]),
+        time_offset=like.time_offset,
+    )
+    return filtered_curve(run, spec, name, request, f"{words}, {_cut_off(run)}")
 
 
 def _limit(run: RunSource) -> float | None:
@@ -147,21 +180,28 @@ def _limit_notes(limit: float | None) -> list[dict[str, Any]]:
     return [horizontal_note(limit, f"±{quantity(limit, Units.acceleration)}", LIMIT)]
 
 
-def _peak(run: RunSource, judged: Sequence[Curve], request: FigureRequest) -> list[dict[str, Any]]:
+def _where(place: Mapping[str, float]) -> str:
+    return f"x = {coordinate(place['x'], 1)} m, y = {coordinate(place['y'], 2)} m"
+
+
+def _peak(
+    run: RunSource, judged: Sequence[Curve], limit: float | None, request: FigureRequest
+) -> list[dict[str, Any]]:
     """Names the greatest value of the judged curves."""
     peaks = [(curve, curve.peak(run.plan.window_start)) for curve in judged]
     known = [(curve, peak) for curve, peak in peaks if peak is not None]
     if not known:
         return []
     curve, peak = max(known, key=lambda pair: abs(pair[1].value))
-    size = quantity(abs(peak.value), curve.unit)
+    size = beside(abs(peak.value), limit, curve.unit)
     place = curve.spec.name.rsplit("/", 1)[0]
     words = f"{size}\n{place}\nt = {peak.time:.3f} s"
     start, stop = window(run.plan, request)
-    return [callout(peak, words, CURVES[0], leftwards=peak.time > 0.5 * (start + stop))]
+    color = DECIDING_COLOR if place.startswith(DECIDING) else CURVES[0]
+    return [callout(peak, words, color, leftwards=peak.time > 0.5 * (start + stop))]
 
 
-def _summary(run: RunSource, judged: Sequence[Curve], limit: float | None) -> str:
+def _summary(run: RunSource, judged: Sequence[Curve], limit: float | None, deciding: bool) -> str:
     if run.committed == 0:
         return "No step has been computed yet."
     sentences: list[str] = []
@@ -169,23 +209,25 @@ def _summary(run: RunSource, judged: Sequence[Curve], limit: float | None) -> st
         peak = curve.peak(run.plan.window_start)
         if peak is None:
             continue
-        size = quantity(abs(peak.value), curve.unit)
-        sentence = f"{curve.name}: greatest magnitude {size} at t = {peak.time:.3f} s"
+        size = beside(abs(peak.value), limit, curve.unit)
+        words = f"{curve.name}: greatest magnitude {size} at t = {peak.time:.3f} s"
         if limit is not None and not curve.name.endswith(", raw"):
             side = "within" if abs(peak.value) <= limit else "outside"
-            sentence += f", {side} ±{quantity(limit, curve.unit)}"
-        sentences.append(sentence + ".")
-    return " ".join([*sentences, *_deciding(run)]) or "The train has not reached the bridge yet."
+            words += f", {side} ±{quantity(limit, curve.unit)}"
+        sentences.append(sentence(words))
+    if not deciding:
+        sentences += _deciding(run, limit)
+    return " ".join(sentences) or "The train has not reached the bridge yet."
 
 
-def _deciding(run: RunSource) -> list[str]:
-    """The verdict's value: it may lie between the points that are drawn."""
+def _deciding(run: RunSource, limit: float | None) -> list[str]:
+    """The verdict's value, where its own history is not drawn."""
     verdict = _acceleration_verdict(run)
     if verdict is None or "place" not in verdict:
         return []
     place = verdict["place"]
-    size = quantity(float(verdict["value"]), Units.acceleration)
+    size = beside(float(verdict["value"]), limit, Units.acceleration)
     return [
         f"The verdict's value, the greatest over the judged slab, is {size} at "
-        f"x = {place['x']:.1f} m, y = {place['y']:.2f} m, t = {verdict['time']:.3f} s."
+        f"{_where(place)}, t = {verdict['time']:.3f} s."
     ]

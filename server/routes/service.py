@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Annotated
@@ -47,7 +47,7 @@ class Changes:
         self.notify()
 
     @asynccontextmanager
-    async def listen(self) -> AsyncIterator[asyncio.Event]:
+    async def listen(self) -> AsyncGenerator[asyncio.Event]:
         """An event that is set at each change."""
         changed = asyncio.Event()
         self._waiting.add(changed)

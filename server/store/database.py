@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import secrets
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -99,22 +99,22 @@ class Database:
                 raise QueueFullError(f"{count} jobs are waiting already.")
             session.add(job)
             session.flush()
-            for index, parameters in enumerate(runs):
-                batch = BatchRow(id=_new_id(), job=job.id, state="queued")
-                session.add(batch)
-                session.flush()
-                session.add(
-                    RunRow(
-                        id=_new_id(),
-                        job=job.id,
-                        batch=batch.id,
-                        index=index,
-                        state="queued",
-                        parameters=dict(parameters),
-                        progress={},
-                        verdicts=None,
-                    )
+            batches = [BatchRow(id=_new_id(), job=job.id, state="queued") for _ in runs]
+            session.add_all(batches)
+            session.flush()
+            session.add_all(
+                RunRow(
+                    id=_new_id(),
+                    job=job.id,
+                    batch=batch.id,
+                    index=index,
+                    state="queued",
+                    parameters=dict(parameters),
+                    progress={},
+                    verdicts=None,
                 )
+                for index, (batch, parameters) in enumerate(zip(batches, runs, strict=True))
+            )
             session.add(self._event(NewEvent(job=job.id, kind="state", data={"state": "queued"})))
             session.flush()
             return job_record(job)
@@ -315,13 +315,13 @@ class Database:
     # Sessions.
 
     @contextmanager
-    def _write(self) -> Iterator[Session]:
+    def _write(self) -> Generator[Session]:
         connection = self._engine.connect().execution_options(immediate=True)
         with connection, Session(connection, expire_on_commit=False) as session, session.begin():
             yield session
 
     @contextmanager
-    def _read(self) -> Iterator[Session]:
+    def _read(self) -> Generator[Session]:
         with Session(self._engine, expire_on_commit=False) as session:
             yield session
 

@@ -128,8 +128,17 @@ def _geometry(document: dict[str, Any], arrays: dict[str, Any]) -> Geometry:
             contact_height=wheels["contact_height"],
             radius=wheels["radius"],
         ),
-        bodies=tuple(
-            BodyGeometry(**{**body, "size": tuple(body["size"])}) for body in document["bodies"]
-        ),
+        bodies=tuple(_body(item) for item in document["bodies"]),
         spans=arrays["spans"],
+    )
+
+
+def _body(item: dict[str, Any]) -> BodyGeometry:
+    length, width, height = item["size"]
+    return BodyGeometry(
+        name=item["name"],
+        kind=item["kind"],
+        offset=item["offset"],
+        size=(length, width, height),
+        base=item["base"],
     )

@@ -44,18 +44,20 @@ class RunReader:
         """Opens nothing yet: a folder that is still empty has nothing committed."""
         self.folder = folder
         self._groups: dict[str, dict[str, Any]] = {}
+        self._plan: StoredPlan | None = None
 
-    @cached_property
+    @property
     def plan(self) -> StoredPlan:
         """What was known before the first step.
 
         Raises:
             NotStoredError: The run has not come to its first step.
         """
-        plan = read_plan(self.folder)
-        if plan is None:
+        if self._plan is None:
+            self._plan = read_plan(self.folder)
+        if self._plan is None:
             raise NotStoredError("The run has no histories yet.")
-        return plan
+        return self._plan
 
     @property
     def has_plan(self) -> bool:

@@ -99,6 +99,7 @@ def _forces(compliance: Matrix, approach: Vector, closed: BoolVector) -> Vector:
             return forces
         _, solution, info = lapack.dposv(compliance[np.ix_(index, index)], approach[index])
         forces[index] = solution
-    if info != 0:
+    # LAPACK passes on what is not a number without complaint.
+    if info != 0 or not np.isfinite(forces).all():
         raise SingularSystemError("the contact", "its compliance is not positive definite")
     return forces

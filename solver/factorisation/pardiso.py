@@ -134,6 +134,14 @@ def _release(library: Any, memory: IntVector, settings: Any, n_dof: int) -> None
     _pardiso_call(library, memory, settings, -1, n_dof, arrays, 1, nothing, nothing)
 
 
+def _aligned(size: int) -> Vector:
+    """Zeros that begin on a cache line: MKL's sums then take the same order in every process."""
+    line = 64
+    raw = np.zeros(size + line // 8)
+    start = (-raw.ctypes.data % line) // 8
+    return raw[start : start + size]
+
+
 class PardisoFactorisation:
     """A factorised matrix; see ``solver.factorisation.sparse`` for the contract."""
 
@@ -173,14 +181,16 @@ class PardisoCondensation:
         complement = 0.5 * (complement + complement.T)
         self.complement = np.ascontiguousarray(complement[np.ix_(rank, rank)])
         self.memory_bytes = self._handle.memory_bytes
-        self._forward = np.zeros(self._handle.n_dof)
-        self._solution = np.zeros(self._handle.n_dof)
+        self._load = _aligned(self._handle.n_dof)
+        self._forward = _aligned(self._handle.n_dof)
+        self._solution = _aligned(self._handle.n_dof)
         require_accuracy(matrix, self._solve, part)
         self._forward[:] = 0.0
 
     def forward(self, load: Vector) -> Vector:
         """Load condensed on the interface; see the contract."""
-        self._handle.call(331, _loads(load, self._handle.n_dof), self._forward)
+        self._load[:] = _loads(load, self._handle.n_dof)
+        self._handle.call(331, self._load, self._forward)
         return self._forward[self._interface]
 
     def backward(self, interface: Vector) -> Vector:

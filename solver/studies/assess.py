@@ -33,7 +33,8 @@ class Assessment:
         verdicts: Plain JSON, one criterion each.
         unjudged: Why there is no verdict, else empty.
         cut_off: Of the filtered histories, 0 without. [Hz]
-        filtered: Low-pass filtered acceleration of each named point, shape (n_sample,). [m/s2]
+        filtered: Low-pass filtered acceleration of each named point and of the "deciding point",
+            shape (n_sample,). [m/s2]
         peaks: Extremes of each channel since the window opened, plain JSON.
     """
 
@@ -93,9 +94,12 @@ def assess(
         highest_speed=max(study.sweep.speeds),
         bearings_in_tension=_bearings_in_tension(plan, extremes),
     )
+    place = verdict.place
+    deciding = np.argmin(np.abs(plan.slab.coordinates - (place.x, place.y, place.z)).sum(axis=1))
+    points = {**plan.slab.named, "deciding point": int(deciding)}
     filtered = {
         name: low_pass(point_history(index)[:, None], plan.time_step, cut_off.frequency)[:, 0]
-        for name, index in plan.slab.named.items()
+        for name, index in points.items()
     }
     return Assessment(
         verdicts=(verdict.to_dict(),),

@@ -20,7 +20,7 @@ from solver.studies.study import Study
 
 __all__ = ["relations", "warnings"]
 
-_SLOWEST = 0.1
+_SLOWEST = 1e-3
 """Slower trains need no dynamics, and their steps cannot be counted. [m/s]"""
 _HIGHEST_CUT_OFF = 100.0
 """Room for a cut-off that is only known from the modes of the deciding span. [Hz]"""

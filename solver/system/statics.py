@@ -78,7 +78,7 @@ def _bordered(system: System, compliance: Matrix, elevation: Vector) -> tuple[Ve
     """Train displacements and contact forces of the bordered system, scaled to one magnitude."""
     train = system.train
     n_dof, n_wheel = train.weight.size, elevation.size
-    scale = np.abs(train.stiffness).max()
+    scale = np.abs(train.stiffness).max() or 1.0
     matrix = np.zeros((n_dof + n_wheel, n_dof + n_wheel))
     matrix[:n_dof, :n_dof] = train.stiffness / scale
     matrix[:n_dof, n_dof:] = -train.wheel_rows.T

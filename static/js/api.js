@@ -102,13 +102,16 @@ export const api = {
   validate: (submission, signal) => send("POST", at("studies", "validate"), submission, signal),
   /** @param {{ kind: string, study: Study }} submission */
   submit: (submission) => send("POST", at("jobs"), submission),
-  jobs: () => send("GET", at("jobs")),
+  /** @param {string | null} [cursor] `next` of the page before */
+  jobs: (cursor) => send("GET", `${at("jobs")}${cursor ? `?${new URLSearchParams({ cursor })}` : ""}`),
   /** @param {string} id */
   job: (id) => send("GET", at("jobs", id)),
   /** @param {string} id */
   cancel: (id) => send("POST", at("jobs", id, "cancel")),
   /** @param {string} id */
   run: (id) => send("GET", at("runs", id)),
+  /** @param {string} id */
+  runVerdicts: (id) => send("GET", at("runs", id, "verdicts")),
   /** @param {string} id */
   channels: (id) => send("GET", at("runs", id, "channels")),
   /**

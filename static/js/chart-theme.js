@@ -15,6 +15,7 @@ const DARK = new Map([
   ["#E3BCD2", "#7C5168"],
   ["#B5DCF3", "#3B6580"],
   ["#7A8794", "#98A7B4"],
+  ["#22303C", "#E9EFF4"],
 ]);
 
 /**
@@ -48,11 +49,22 @@ export function themed(figure, theme, narrow) {
       hoverlabel: { bgcolor: theme.paper, bordercolor: theme.line, font: { color: theme.ink } },
       xaxis: { ...axis, ...layout.xaxis },
       yaxis: { ...axis, ...layout.yaxis },
-      annotations: layout.annotations.map((/** @type {any} */ note) =>
-        note.bgcolor ? { ...note, bgcolor: theme.paper, borderpad: 3 } : note,
-      ),
+      annotations: layout.annotations.map((/** @type {any} */ note) => placed(note, theme, narrow)),
     },
   };
+}
+
+/**
+ * Words on the page's paper; a narrow chart has room for a callout's value, not for its place.
+ *
+ * @param {any} note
+ * @param {Theme} theme
+ * @param {boolean} narrow
+ */
+function placed(note, theme, narrow) {
+  const colored = note.bgcolor ? { ...note, bgcolor: theme.paper, borderpad: 3 } : note;
+  if (!narrow || !note.showarrow) return colored;
+  return { ...colored, text: note.text.split("<br>")[0], ax: note.ax / 2 };
 }
 
 /**

@@ -94,15 +94,18 @@ export function remaining(range) {
   if (!range) return "";
   const [low, high] = range.map(coarse);
   if (high < 2) return "a moment left";
-  return duration(low) === duration(high)
-    ? `about ${duration(high)} left`
-    : `${duration(low)} to ${duration(high)} left`;
+  const [least, most] = [duration(low), duration(high)];
+  if (least === most) return `about ${most} left`;
+  // "1 to 3 min", not "1 min to 3 min".
+  const [unit, same] = [least, most].map((text) => text.slice(text.lastIndexOf(" ")));
+  return `${unit === same ? least.slice(0, -unit.length) : least} to ${most} left`;
 }
 
 /** @param {number} seconds */
 function coarse(seconds) {
   if (seconds < 20) return Math.round(seconds);
-  return Math.round(seconds / 5) * 5;
+  if (seconds < 90) return Math.round(seconds / 5) * 5;
+  return Math.round(seconds / 60) * 60;
 }
 
 /**
@@ -132,6 +135,21 @@ export function ago(when, now) {
   if (seconds < 3600) return `${Math.max(1, Math.round(seconds / 60))} min ago`;
   if (seconds < 86400) return `${Math.round(seconds / 3600)} h ago`;
   return `${Math.round(seconds / 86400)} d ago`;
+}
+
+/**
+ * A verdict's value with as many decimals as it takes not to read as the limit itself, which is how
+ * the server's statement writes it.
+ *
+ * @param {number} value
+ * @param {number} limit
+ */
+export function besideLimit(value, limit) {
+  for (let decimals = 2; decimals < 7; decimals += 1) {
+    const text = value.toFixed(decimals);
+    if (value === limit || Number(text) !== limit) return minus(text);
+  }
+  return number(value, 9);
 }
 
 /** @type {Record<string, string>} */

@@ -13,7 +13,7 @@ import { at } from "./pointer.js";
 /**
  * @typedef {object} Field
  * @property {string} pointer JSON pointer into the study
- * @property {"number" | "integer" | "text" | "choice" | "switch"} kind
+ * @property {"number" | "integer" | "text" | "choice" | "switch" | "list"} kind
  * @property {string} label
  * @property {string} help
  * @property {Unit | null} unit
@@ -22,6 +22,7 @@ import { at } from "./pointer.js";
  * @property {boolean} above the minimum itself is not allowed
  * @property {boolean} below the maximum itself is not allowed
  * @property {string[]} options of a choice
+ * @property {number | null} most values of a list
  */
 
 /**
@@ -149,17 +150,19 @@ export function field(schema, value, pointer, document) {
   const part = chosen(schema, value, document);
   const kind = kindOf(part);
   if (!kind || "const" in part) return null;
+  const item = kind === "list" ? resolve(part.items, document) : part;
   return {
     pointer,
     kind,
     label: nameOf(pointer),
     help: part.description ?? "",
-    unit: part.unit ?? null,
-    minimum: part.minimum ?? part.exclusiveMinimum ?? null,
-    maximum: part.maximum ?? part.exclusiveMaximum ?? null,
-    above: part.exclusiveMinimum !== undefined,
-    below: part.exclusiveMaximum !== undefined,
+    unit: item.unit ?? null,
+    minimum: item.minimum ?? item.exclusiveMinimum ?? null,
+    maximum: item.maximum ?? item.exclusiveMaximum ?? null,
+    above: item.exclusiveMinimum !== undefined,
+    below: item.exclusiveMaximum !== undefined,
     options: part.enum ?? [],
+    most: part.maxItems ?? null,
   };
 }
 
@@ -169,6 +172,7 @@ export function field(schema, value, pointer, document) {
  */
 function kindOf(part) {
   if (part.enum) return "choice";
+  if (part.type === "array" && part.items?.type === "number") return "list";
   /** @type {Record<string, Field["kind"]>} */
   const kinds = { number: "number", integer: "integer", string: "text", boolean: "switch" };
   return kinds[part.type] ?? null;

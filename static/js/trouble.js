@@ -25,10 +25,16 @@ const ENDED = {
   },
 };
 
+/** Where a modal analysis needs other advice. @type {Record<string, string>} */
+const MODES = {
+  timed_out: "Choose a coarser mesh.",
+  cancelled: "It found no modes.",
+};
+
 /**
  * What to say of a job, null where nothing is amiss. Pure.
  *
- * @param {Pick<Job, "state" | "error"> & { progress?: Job["progress"] }} job
+ * @param {Pick<Job, "state" | "error"> & { kind?: string, progress?: Job["progress"] }} job
  * @returns {Words | null}
  */
 export function troubleWords(job) {
@@ -38,7 +44,8 @@ export function troubleWords(job) {
   const text = typeof error === "string" ? error : (error?.detail ?? error?.title ?? "");
   const own = typeof error === "object" ? error?.remedy : "";
   const kept = job.progress?.step ? " What had been computed by then is shown below." : "";
-  return { heading: ended.heading, text, remedy: `${own || ended.remedy}${kept}` };
+  const remedy = own || (job.kind === "modes" ? MODES[job.state] : "") || ended.remedy;
+  return { heading: ended.heading, text, remedy: `${remedy}${kept}` };
 }
 
 /** @param {Job} job */

@@ -28,9 +28,12 @@
  *   scope: { train: string, speed: number, irregularity: string, mesh_level: string },
  *   points: { name: string, filtered: Peak, raw: Peak }[],
  *   spans: { number: number, judged: boolean, filtered: Peak, raw: Peak, remark: string }[] }} Verdict
+ * @typedef {{ number: number, frequency: number, damping: number, name: string, assurance: number }} Mode
+ *   frequency in Hz, damping and assurance as ratios
+ * @typedef {{ items: Job[], next?: string | null }} JobPage
  * @typedef {{ id: string, job: string, parameters: Record<string, number>, state: State,
  *   progress?: Progress | null, error?: Trouble | string | null,
- *   summary?: { facts?: Record<string, any>, peaks?: any, timings?: Record<string, number>,
+ *   summary?: { facts?: Record<string, any>, peaks?: any, modes?: Mode[], unjudged?: string, timings?: Record<string, number>,
  *     versions?: Record<string, string> } | null, verdicts?: Verdict[] }} Run
  * @typedef {{ curve: string, channel: string, unit: string, minimum: number | null, minimum_time: number | null,
  *   maximum: number | null, maximum_time: number | null, contact_lost?: number }} TableRow

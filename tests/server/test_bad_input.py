@@ -28,9 +28,7 @@ BODY_METHODS = {"POST", "PUT", "PATCH"}
 
 @pytest.fixture(scope="module")
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Client]:
-    settings = settings_for(
-        tmp_path_factory.mktemp("server"), token="a token for the login route"
-    )
+    settings = settings_for(tmp_path_factory.mktemp("server"), token="a token for the login route")
     with serving(settings, compute=odd_batches.finish) as client:
         client.headers["Authorization"] = f"Bearer {settings.token}"
         yield client
@@ -99,9 +97,7 @@ def test_malformed_bodies_are_refused_everywhere(
     client: Client, method: str, path: str, name: str
 ) -> None:
     bad = MALFORMED[name]
-    answer = client.request(
-        method, path, content=bad.body, headers={"Content-Type": bad.kind}
-    )
+    answer = client.request(method, path, content=bad.body, headers={"Content-Type": bad.kind})
     document = problem(answer)
     assert answer.status_code == bad.status, answer.text
     if bad.status == 400:
@@ -238,10 +234,21 @@ def test_each_limit_is_a_setting(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "path",
     [
-        "jobs/none", "jobs/none/events", "jobs/none/verdicts", "events?job=none", "runs/none",
-        "runs/none/verdicts", "runs/none/channels", "runs/none/channels/a/b.csv",
-        "runs/none/frames", "runs/none/plots/displacement.json", "templates/none", "nothing",
-        "jobs/%00", "jobs/..%2f..", "runs/%F0%9F%9A%84",
+        "jobs/none",
+        "jobs/none/events",
+        "jobs/none/verdicts",
+        "events?job=none",
+        "runs/none",
+        "runs/none/verdicts",
+        "runs/none/channels",
+        "runs/none/channels/a/b.csv",
+        "runs/none/frames",
+        "runs/none/plots/displacement.json",
+        "templates/none",
+        "nothing",
+        "jobs/%00",
+        "jobs/..%2f..",
+        "runs/%F0%9F%9A%84",
     ],
 )
 def test_what_does_not_exist_is_a_problem(client: Client, path: str) -> None:

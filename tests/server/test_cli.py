@@ -20,7 +20,12 @@ ROOT = Path(__file__).parents[2]
 def trainbridge(*words: str, given: str = "") -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "server", *words],
-        input=given, capture_output=True, text=True, timeout=120, cwd=ROOT, check=False,
+        input=given,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        cwd=ROOT,
+        check=False,
         env={**os.environ, "COLUMNS": "200"},
     )
 

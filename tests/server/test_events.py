@@ -101,9 +101,7 @@ def test_a_stream_that_reconnects_misses_nothing(tmp_path: Path) -> None:
         assert rest == [number for number in progress if number > middle]
 
 
-def until_done_progress(
-    client: Client, path: str, last: int, headers: dict[str, str]
-) -> list[int]:
+def until_done_progress(client: Client, path: str, last: int, headers: dict[str, str]) -> list[int]:
     """Numbers of the progress events up to ``last``."""
     heard: list[int] = []
     for number, kind, _ in events(client, path, **headers):

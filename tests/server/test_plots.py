@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ import pytest
 
 from server.plots import MEDIA_TYPES, FigureRequest, figures, render
 from server.plots.decimation import extreme_indices
-from server.plots.text import quantity
+from server.plots.text import beside, quantity
 from solver.arrays import Vector
 from solver.errors import InputError
 from solver.results import ChannelSpec, SlabPoints
@@ -149,6 +149,74 @@ def test_a_finished_slab_figure_draws_band_and_named_peak_of_the_filtered_curve(
     assert "3.98 m/s² at x = 29.2 m, y = 0.00 m, t = 2.310 s" in figure["summary"]
 
 
+DECIDING = "deciding point/acceleration (filtered)"
+
+
+def _decided(place: dict[str, Any], factor: float = 1.25) -> Run:
+    """A finished run whose verdict lies beside the named points: 1.25 times mid-span's history."""
+    run = _finished()
+    assert run.summary is not None
+    history = factor * run.histories[AXIS + " (filtered)"]
+    peak = int(np.argmax(np.abs(history)))
+    (verdict,) = run.summary["verdicts"]
+    verdict |= {"place": place, "value": abs(history[peak]), "time": TIME[peak]}
+    stored = [*run.summary["filtered"], {"name": "deciding point", "channel": DECIDING}]
+    run.histories[DECIDING] = history
+    run.summary = {**run.summary, "filtered": stored}
+    return run
+
+
+def test_the_named_peak_of_a_judged_slab_is_the_verdicts_value_and_place() -> None:
+    run = _decided({"name": "slab, span 2", "x": 29.2154, "y": -0.0, "z": 1.335})
+    assert run.summary is not None
+    (verdict,) = run.summary["verdicts"]
+    figure = _draw("slab-acceleration", run)
+    (peak,) = [note for note in figure["layout"]["annotations"] if note["showarrow"]]
+    assert abs(peak["y"]) == pytest.approx(verdict["value"], rel=1e-12)
+    assert peak["x"] == pytest.approx(verdict["time"], abs=1e-6)  # as it is rounded for a figure
+    assert peak["text"].split("<br>") == [
+        f"{verdict['value']:.2f} m/s²",
+        "deciding point, x = 29.2 m, y = 0.00 m",
+        f"t = {verdict['time']:.3f} s",
+    ]
+    names = [curve["name"] for curve in figure["data"]]
+    assert names[-1] == "deciding point, x = 29.2 m, y = 0.00 m, below 30 Hz"
+    assert len(names) == 3  # over the raw and the filtered history of mid-span
+    # It is no channel: the page offers neither its removal nor its file.
+    assert [row["channel"] for row in figure["table"]] == [AXIS, AXIS, ""]
+
+
+def test_without_a_verdict_the_deciding_point_changes_nothing() -> None:
+    run = _decided({"name": "slab, span 2", "x": 29.2, "y": 0.0, "z": 1.335})
+    assert run.summary is not None
+    run.summary = {**run.summary, "verdicts": []}
+    plain = _finished()
+    assert plain.summary is not None
+    plain.summary = {**plain.summary, "verdicts": []}
+    assert _draw("slab-acceleration", run) == _draw("slab-acceleration", plain)
+
+
+def test_a_deciding_point_that_is_drawn_already_is_not_drawn_twice() -> None:
+    run = _decided({"name": "slab, span 2", "x": 27.0, "y": 0.0, "z": 1.335}, factor=1.0)
+    run.plan.channels = (replace(run.plan.channels[0], place=(27.0, 0.0, 1.3)),)
+    figure = _draw("slab-acceleration", run)
+    assert len(figure["data"]) == 2
+    (peak,) = [note for note in figure["layout"]["annotations"] if note["showarrow"]]
+    assert "mid-span 2, axis" in peak["text"]
+
+
+def test_channels_asked_for_are_drawn_alone() -> None:
+    run = _decided({"name": "slab, span 2", "x": 29.2, "y": 0.0, "z": 1.335})
+    assert len(_draw("slab-acceleration", run, channels=(AXIS,))["data"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(9.403, "9.40 m/s²"), (3.5003, "3.5003 m/s²"), (3.5, "3.50 m/s²")]
+)
+def test_a_value_beside_its_limit_never_reads_as_the_limit(value: float, text: str) -> None:
+    assert beside(value, 3.5, Units.acceleration) == text
+
+
 def test_the_run_in_is_shaded_and_its_peaks_do_not_count() -> None:
     run = _finished()
     run.histories[AXIS + " (filtered)"][100] = 50.0  # before window_start = 0.4 s
@@ -167,6 +235,16 @@ def test_contact_forces_are_in_kilonewtons_with_static_load_and_loss_of_contact(
     assert figure["table"][0]["contact_lost"] == pytest.approx(0.010)  # ten samples of 1 ms
     assert "contact lost for 10 ms" in figure["summary"]
     assert "always in contact" in figure["summary"]
+
+
+def test_wheels_of_an_axle_that_feel_the_same_are_one_curve_that_says_so() -> None:
+    run = _run()
+    run.histories["wheel 01 right/contact force"] = run.histories["wheel 01 left/contact force"]
+    figure = _draw("contact-force", run)
+    assert [curve["name"] for curve in figure["data"]] == ["wheel 01 left and right"]
+    assert figure["summary"].startswith("Wheel 01 left and right: between")
+    both = ("wheel 01 left/contact force", "wheel 01 right/contact force")
+    assert len(_draw("contact-force", run, channels=both)["data"]) == 2
 
 
 def test_displacements_are_in_millimetres_upward() -> None:

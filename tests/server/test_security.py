@@ -195,7 +195,9 @@ async def handshake(access: Access, path: str, headers: dict[str, str]) -> int:
     given = {"Host": "127.0.0.1", **headers}
     raw = [(name.lower().encode(), value.encode()) for name, value in given.items()]
     scope = {
-        "type": "websocket", "path": path, "headers": raw,
+        "type": "websocket",
+        "path": path,
+        "headers": raw,
         "extensions": {"websocket.http.response": {}},
     }
     sent: list[Any] = []
@@ -239,7 +241,9 @@ def test_two_hosts_are_none() -> None:
             raise AssertionError("passed")
 
         scope = {
-            "type": "http", "method": "GET", "path": "/",
+            "type": "http",
+            "method": "GET",
+            "path": "/",
             "headers": [(b"host", b"localhost"), (b"host", b"evil.example.org")],
         }
         await Guard(nothing, Access())(scope, nothing, send)
@@ -271,8 +275,13 @@ def test_the_page_and_its_library_are_served(client: Client) -> None:
     assert len(library.content) > 1_000_000
     assert library.headers["content-encoding"] == "gzip"
     assert "immutable" in library.headers["cache-control"]
-    for path in ("/static/package.json", "/static/../pyproject.toml", "/static/node_modules/x.js",
-                 "/vendor/plotly-0/plotly.min.js", "/static/%2e%2e/server/app.py"):
+    for path in (
+        "/static/package.json",
+        "/static/../pyproject.toml",
+        "/static/node_modules/x.js",
+        "/vendor/plotly-0/plotly.min.js",
+        "/static/%2e%2e/server/app.py",
+    ):
         assert client.get(path).status_code == 404
 
 

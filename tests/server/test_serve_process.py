@@ -31,9 +31,7 @@ ROOT = Path(__file__).parents[2]
 def server_process(data: Path, *options: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """``trainbridge serve`` on a free port, and its address."""
     command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
-    process = subprocess.Popen(
-        [*command, *options], stdout=subprocess.PIPE, text=True, cwd=ROOT
-    )
+    process = subprocess.Popen([*command, *options], stdout=subprocess.PIPE, text=True, cwd=ROOT)
     try:
         assert process.stdout is not None
         line = process.stdout.readline()
@@ -203,5 +201,10 @@ def serve_briefly(*options: str) -> subprocess.CompletedProcess[str]:
     environment = {k: v for k, v in os.environ.items() if k != "TRAINBRIDGE_TOKEN"}
     return subprocess.run(
         [sys.executable, "-m", "server", "serve", *options],
-        capture_output=True, text=True, timeout=60, cwd=ROOT, env=environment, check=False,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        cwd=ROOT,
+        env=environment,
+        check=False,
     )

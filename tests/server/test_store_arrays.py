@@ -204,6 +204,21 @@ def test_a_shard_is_written_once(tmp_path: Path) -> None:
         writer.append(next(samples))
 
 
+def test_filtered_histories_lie_beside_the_channels(tmp_path: Path) -> None:
+    plan = make_plan(200)
+    writer = RunWriter(tmp_path / "run", plan)
+    for sample in samples_of(plan):
+        writer.append(sample)
+    name = "mid-span 2, axis/acceleration (filtered)"
+    writer.add_filtered({name: np.linspace(0.0, 1.0, 201), "other": np.zeros(201)})
+    writer.finish({})
+    reader = RunReader(tmp_path / "run")
+
+    np.testing.assert_array_equal(reader.filtered(name), np.linspace(0.0, 1.0, 201))
+    with pytest.raises(NotStoredError, match="no filtered history"):
+        reader.filtered("mid-span 2, axis/acceleration")
+
+
 def test_unknown_things_are_refused(tmp_path: Path) -> None:
     reader = RunReader(tmp_path / "run")
     assert reader.committed == 0

@@ -10,6 +10,7 @@ import pytest
 import scipy.sparse as sparse
 import scipy.sparse.linalg as sparse_linalg
 
+from solver.factorisation import chain
 from solver.integrators import HHT
 from solver.irregularities import IsolatedDefect
 from solver.models.train import build_train
@@ -137,7 +138,7 @@ def test_contact_forces_balance_weight_and_inertia(small_study: Study) -> None:
 
 
 def rigid_motions(train) -> tuple[np.ndarray, np.ndarray]:
-    """Freedoms of the train lifted by one metre, and rolled by one radian about the track's axis."""
+    """Freedoms of the train lifted by 1 m, and rolled by 1 rad about the track's axis."""
     up, _, _, _ = np.linalg.lstsq(bodies(train, 0), np.ones(len(train.bodies)), rcond=None)
     targets = np.concatenate([np.zeros(len(train.bodies)), np.ones(len(train.bodies))])
     rows = np.concatenate([bodies(train, 0), bodies(train, 1)])
@@ -216,9 +217,25 @@ def test_one_factorisation_and_one_large_solve_a_step(
     assert calls == {"factorisations": 2, "forward": 10, "backward": 10}
 
 
-def test_a_rigid_start_stays_at_rest_when_the_train_does_not_move(small_study: Study) -> None:
-    """At a crawl nothing but rounding happens: the static start is an equilibrium."""
-    simulation = prepare(replace(small_study, integration=small_study.integration))
+def test_direct_solves_replace_a_window_table_that_is_too_large(
+    small_study: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The compliance of the rails under the wheels is the same, looked up or solved for."""
+    tabulated = prepare(small_study)
+    monkeypatch.setattr(chain, "_TABLE_LIMIT", 1000)
+    solved = prepare(small_study)
+    assert tabulated.effective.lines.has_table
+    assert not solved.effective.lines.has_table
+    advance(tabulated, 5)
+    advance(solved, 5)
+    np.testing.assert_allclose(
+        solved.effective.state.contact_forces, tabulated.effective.state.contact_forces, rtol=1e-10
+    )
+
+
+def test_a_train_that_stands_still_stays_at_rest(small_study: Study) -> None:
+    """Nothing but rounding happens: the static start is an equilibrium."""
+    simulation = prepare(small_study)
     frozen = replace(simulation.system, speed=0.0)
     still = Simulation(simulation.plan, frozen, HHT(-0.05, 5e-4), simulation._observation)
     for _ in islice(still.samples(), 50):

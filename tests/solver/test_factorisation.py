@@ -60,8 +60,76 @@ def test_complement_is_the_inverse_of_the_interface_compliance(back_end: type) -
     np.testing.assert_allclose(np.linalg.inv(condensed.complement), compliance, rtol=1e-10)
 
 
+def unsupported(n_dof: int) -> sparse.csr_array:
+    """The same kind of chain, fixed nowhere; rounding hides it from the pivots."""
+    links = sparse.diags_array([-np.ones(n_dof - 1), np.ones(n_dof)], offsets=[-1, 0]).tocsr()
+    return (links[1:].T @ sparse.diags_array(np.linspace(0.1, 3.0, n_dof - 1)) @ links[1:]).tocsr()
+
+
+def with_missing_diagonal() -> sparse.csr_array:
+    """PARDISO would read beyond its arrays here, and end the process."""
+    matrix = chain(30).tocoo()
+    kept = (matrix.row != 5) | (matrix.col != 5)
+    entries = (matrix.data[kept], (matrix.row[kept], matrix.col[kept]))
+    return sparse.coo_array(entries, shape=(30, 30)).tocsr()
+
+
+def with_a_value_that_is_no_number() -> sparse.csr_array:
+    matrix = chain(30)
+    matrix[4, 4] = np.nan
+    return matrix
+
+
+UNSOUND = {
+    "singular": sparse.csr_array(np.array([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 1.0]])),
+    "singular but for rounding": unsupported(60),
+    "a free part beside a fixed one": sparse.block_diag([chain(30), unsupported(30)], format="csr"),
+    "negative": -chain(30),
+    "indefinite": chain(30) - 1.0 * sparse.eye_array(30),
+    "missing diagonal": with_missing_diagonal(),
+    "not a number": with_a_value_that_is_no_number(),
+}
+
+
+@pytest.mark.parametrize("name", list(UNSOUND))
 @pytest.mark.parametrize("back_end", FACTORISATIONS)
-def test_an_unsupported_part_is_named(back_end: type) -> None:
-    matrix = sparse.csr_array(np.array([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
+def test_an_unsupported_part_is_named(back_end: type, name: str) -> None:
+    """No noise that looks like a result, no crash: an error with the part's name."""
     with pytest.raises(SingularSystemError, match="pier"):
-        back_end(matrix, "pier")
+        back_end(UNSOUND[name], "pier")
+
+
+@pytest.mark.parametrize("name", list(UNSOUND))
+@pytest.mark.parametrize("interface", [[1], [0, 2]], ids=["one", "two"])
+@pytest.mark.parametrize("back_end", CONDENSATIONS)
+def test_an_unsupported_part_is_named_when_condensed(
+    back_end: type, interface: list[int], name: str
+) -> None:
+    with pytest.raises(SingularSystemError, match="pier"):
+        back_end(UNSOUND[name], np.array(interface), "pier")
+
+
+@pytest.mark.parametrize("back_end", CONDENSATIONS)
+def test_a_fresh_condensation_carries_no_load(back_end: type) -> None:
+    """Backward without a forward pass: the interface moved by hand, nothing else loaded."""
+    matrix, interface = chain(40), np.array([7, 30])
+    moved = back_end(matrix, interface, "chain").backward(np.array([1.0, -2.0]))
+    load = matrix @ moved
+    np.testing.assert_allclose(moved[interface], [1.0, -2.0])
+    np.testing.assert_allclose(np.delete(load, interface), 0.0, atol=1e-12)
+
+
+def test_a_load_of_another_length_is_refused() -> None:
+    """PARDISO takes addresses: it would read, and write, beyond the array."""
+    factor = pardiso.PardisoFactorisation(chain(20), "chain")
+    with pytest.raises(ValueError, match="19 entries for 20 unknowns"):
+        factor.solve(np.ones(19))
+    condensed = pardiso.PardisoCondensation(chain(20), np.array([3]), "chain")
+    with pytest.raises(ValueError, match="21 entries"):
+        condensed.forward(np.ones(21))
+
+
+def test_whole_numbers_are_loads_too() -> None:
+    matrix = chain(20)
+    factor = pardiso.PardisoFactorisation(matrix, "chain")
+    np.testing.assert_allclose(matrix @ factor.solve(np.arange(20)), np.arange(20), atol=1e-12)

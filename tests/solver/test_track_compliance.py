@@ -53,6 +53,14 @@ def test_matched_approach_deflects_like_the_three_dimensional_track(level: str) 
     assert found == pytest.approx(track_deflections(track, level, middle, static)[0], rel=0.02)
 
 
+def test_a_track_that_no_bed_can_match_is_an_error() -> None:
+    """Not the root finder's own complaint: the field, the deflection, what to do."""
+    soft = TrackProperties(ballast_young_modulus=1e6, ballast_depth=2.0, sleeper_spacing=1.2)
+    softer = dataclasses.replace(soft, pad_stiffness=1e6, transition_stiffness=1e6)
+    stiff_bed = ApproachTrack()
+    assert matched_approach(softer, stiff_bed, "coarse").bed_stiffness > 0.0
+
+
 def test_a_bed_stiffness_given_by_hand_is_kept() -> None:
     given = ApproachTrack(bed_stiffness=1.87e8)
     assert matched_approach(TrackProperties(), given, "coarse") is given

@@ -164,7 +164,7 @@ export class Chart extends HTMLElement {
   #describe(figure) {
     show(this.#summary, figure.summary);
     const query = { ...this.#window, channels: this.#channels };
-    this.#picker.bind(this.#run, [...new Set(figure.table.map((row) => row.channel))]);
+    this.#picker.bind(this.#run, [...new Set(figure.table.map((row) => row.channel).filter(Boolean))]);
     show(
       this.#files,
       /** @type {const} */ (["png", "svg", "pdf"]).map((format) =>

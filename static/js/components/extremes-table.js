@@ -28,7 +28,7 @@ export function extremesTable(figure, run) {
           h("td", null, row.minimum_time?.toFixed(4) ?? "–"),
           h("td", null, `${number(row.maximum, 4)} ${row.unit}`),
           h("td", null, row.maximum_time?.toFixed(4) ?? "–"),
-          h("td", null, h("a", { href: channelUrl(run, row.channel), download: "" }, "CSV")),
+          h("td", null, row.channel && h("a", { href: channelUrl(run, row.channel), download: "" }, "CSV")),
         ),
       ),
     ),

@@ -3,6 +3,7 @@
 import { h, show } from "../dom.js";
 import { entered, range, shown } from "../entry.js";
 import { label, unitText } from "../format.js";
+import { helpOf, titleOf } from "../titles.js";
 
 /** @typedef {import("../schema.js").Field} Field */
 /** @typedef {import("../types.js").Finding} Finding */
@@ -23,9 +24,8 @@ export class FieldInput extends HTMLElement {
    *
    * @param {Field} field
    * @param {any} value SI
-   * @param {string} [title] in place of the field's own label
    */
-  bind(field, value, title) {
+  bind(field, value) {
     this.#field = field;
     const id = `field${field.pointer.replace(/[^\w]/g, "-")}`;
     this.#control = this.#makeControl(field, value, id);
@@ -34,10 +34,10 @@ export class FieldInput extends HTMLElement {
     this.dataset.pointer = field.pointer;
     show(
       this,
-      h("label", { for: id }, title ?? field.label),
+      h("label", { for: id }, this.name),
       h("div", { class: "field-control" }, this.#control, field.unit && unitText(field.unit) && h("span", { class: "unit" }, unitText(field.unit))),
       this.#message,
-      h("p", { class: "field-help", id: `${id}-help` }, field.help, limits && h("span", { class: "limits" }, ` ${limits}`)),
+      h("p", { class: "field-help", id: `${id}-help` }, helpOf(field.pointer, field.help), limits && h("span", { class: "limits" }, limits)),
     );
     this.#showErrors();
   }
@@ -48,12 +48,19 @@ export class FieldInput extends HTMLElement {
     this.#showErrors();
   }
 
+  /** What people call it. */
+  get name() {
+    return this.#field ? titleOf(this.#field.pointer, this.#field.label) : "";
+  }
+
   /** Whether what is typed cannot be a value at all. */
   get broken() {
     return this.#ownError !== "";
   }
 
   focus() {
+    const folded = this.closest("details");
+    if (folded) folded.open = true;
     this.#control?.focus();
   }
 

@@ -25,12 +25,22 @@ export class RunProgress extends HTMLElement {
       show(this.#left, "It starts by itself; you may leave this page.");
       return;
     }
+    if (job.kind === "modes") {
+      // One solution of one equation: it has stages, but no steps to count.
+      this.#bar.removeAttribute("value");
+      show(this.#stage, sentence(progress.stage || "starting"));
+      show(this.#left);
+      return;
+    }
     const fraction = progress.fraction ?? 0;
     this.#bar.value = fraction;
-    show(this.#stage, h("strong", null, `${Math.floor(fraction * 100)} %`), ` ${progress.stage || "Starting"}`);
+    show(this.#stage, h("strong", null, `${Math.floor(fraction * 100)} %`), ` ${progress.stage || "starting"}`);
     show(this.#left, [steps(progress), remaining(progress.remaining)].filter(Boolean).join(" · "));
   }
 }
+
+/** @param {string} text */
+const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
 /** @param {import("../types.js").Progress} progress */
 function steps(progress) {

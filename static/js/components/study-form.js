@@ -9,6 +9,7 @@ import { h, show } from "../dom.js";
 import { label } from "../format.js";
 import { at, nearest, withValue } from "../pointer.js";
 import { chosen, defaults, field, fieldsUnder, schemaAt, variants } from "../schema.js";
+import { FORMULAS, titleOf } from "../titles.js";
 import { FieldInput } from "./field.js";
 
 /** @typedef {import("../types.js").Study} Study */
@@ -17,18 +18,10 @@ import { FieldInput } from "./field.js";
 /** @typedef {import("../schema.js").Field} Field */
 
 /** What most people change, in this order. */
-const BASIC = ["/name", "/sweep/speeds/0", "/mesh_level", "/line_speed", "/outputs/cut_off_frequency"];
+const BASIC = ["/name", "/sweep/speeds", "/mesh_level", "/line_speed", "/outputs/cut_off_frequency"];
 /** The union whose alternative is chosen in the first group. */
 const IRREGULARITY = "/irregularity";
 const HIDDEN = new Set(["/schema_version"]);
-
-/** @type {Record<string, string>} */
-const TITLES = {
-  "/sweep/speeds/0": "Speed",
-  none: "None",
-  isolated: "Isolated defect  A exp(−(kx)² / 2)",
-  isolated_defect: "Isolated defect  A exp(−(kx)² / 2)",
-};
 
 export class StudyForm extends HTMLElement {
   /** @type {Study} */
@@ -60,6 +53,11 @@ export class StudyForm extends HTMLElement {
   /** Whether a field holds no value at all. */
   get broken() {
     return this.#fields().some((item) => item.broken);
+  }
+
+  /** The fields with something to mend. @returns {FieldInput[]} */
+  get marked() {
+    return this.#fields().filter((item) => item.classList.contains("invalid"));
   }
 
   /**
@@ -131,7 +129,8 @@ export class StudyForm extends HTMLElement {
               checked: value?.type === tag,
               onchange: () => this.#choose(tag, schema),
             }),
-            TITLES[tag] ?? label(tag),
+            titleOf(tag),
+            FORMULAS[tag] && h("span", { class: "soft" }, FORMULAS[tag]),
           ),
         ),
       ),
@@ -177,7 +176,7 @@ export class StudyForm extends HTMLElement {
   /** @param {Field} item */
   #input(item) {
     const element = /** @type {FieldInput} */ (h("tb-field"));
-    element.bind(item, at(this.#study, item.pointer), TITLES[item.pointer]);
+    element.bind(item, at(this.#study, item.pointer));
     return element;
   }
 }

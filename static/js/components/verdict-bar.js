@@ -1,13 +1,17 @@
 // @ts-check
 /** The verdict: the server's statement as it stands, value beside limit, scope, what to know. */
 import { h, s, show } from "../dom.js";
-import { number, speed, unitText } from "../format.js";
+import { besideLimit, number, speed, unitText } from "../format.js";
 
 /** @typedef {import("../types.js").Verdict} Verdict */
 
 export class VerdictBar extends HTMLElement {
-  /** @param {Verdict} verdict */
-  set verdict(verdict) {
+  /**
+   * @param {Verdict} verdict
+   * @param {string[]} accuracy what was measured of the mesh's accuracy, in sentences
+   */
+  bind(verdict, accuracy) {
+    const notes = withAccuracy(verdict.notes, accuracy);
     const side = verdict.exceeds ? "exceeds" : "within";
     this.className = `card verdict ${side}`;
     show(
@@ -24,11 +28,22 @@ export class VerdictBar extends HTMLElement {
         ),
         gauge(verdict),
       ),
-      verdict.notes.length > 0 &&
-        h("ul", { class: "verdict-notes" }, verdict.notes.map((note) => h("li", null, note))),
+      notes.length > 0 && h("ul", { class: "verdict-notes" }, notes.map((note) => h("li", null, note))),
       details(verdict),
     );
   }
+}
+
+/**
+ * The accuracy stands with the note that it explains.
+ *
+ * @param {string[]} notes
+ * @param {string[]} accuracy
+ */
+function withAccuracy(notes, accuracy) {
+  const screening = notes.findIndex((note) => /screening mesh/i.test(note));
+  if (screening < 0) return [...notes, ...accuracy];
+  return notes.with(screening, [notes[screening], ...accuracy].join(" "));
 }
 
 /** @param {Verdict} verdict */
@@ -60,7 +75,7 @@ function gauge(verdict) {
   return h(
     "div",
     { class: "gauge" },
-    h("p", { class: "figure" }, number(verdict.value, 3), h("span", null, ` ${unit}`)),
+    h("p", { class: "figure" }, besideLimit(verdict.value, verdict.limit), h("span", null, ` ${unit}`)),
     s(
       "svg",
       { viewBox: `0 0 ${width} 22`, "aria-hidden": "true" },
@@ -103,23 +118,26 @@ function details(verdict) {
           "table",
           null,
           h("thead", null, h("tr", null, ["Where", `filtered [${unit}]`, "at x, y [m]", "t [s]", `raw [${unit}]`, ""].map((text) => h("th", { scope: "col" }, text)))),
-          h("tbody", null, rows.map(row)),
+          h("tbody", null, rows.map((item) => row(item, verdict.limit))),
         ),
       ),
   );
 }
 
-/** @param {{ name: string, filtered: import("../types.js").Peak, raw: import("../types.js").Peak, remark: string }} item */
-function row(item) {
+/**
+ * @param {{ name: string, filtered: import("../types.js").Peak, raw: import("../types.js").Peak, remark: string }} item
+ * @param {number} limit
+ */
+function row(item, limit) {
   const place = item.filtered.place;
   return h(
     "tr",
     null,
     h("th", { scope: "row" }, item.name),
-    h("td", null, number(item.filtered.value, 3)),
-    h("td", null, `${number(place.x, 4)}, ${number(place.y, 3)}`),
+    h("td", null, besideLimit(item.filtered.value, limit)),
+    h("td", null, `${place.x.toFixed(1)}, ${place.y.toFixed(2)}`.replaceAll("-", "−")),
     h("td", null, item.filtered.time.toFixed(3)),
-    h("td", null, number(item.raw.value, 3)),
+    h("td", null, item.raw.value.toFixed(2)),
     h("td", { class: "soft" }, item.remark),
   );
 }

@@ -10,6 +10,9 @@ import { store } from "../store.js";
 
 /** @typedef {import("../types.js").Template} Template */
 
+/** Jobs that the list on this page shows. */
+const RECENT = 8;
+
 export class HomePage extends HTMLElement {
   #ended = new AbortController();
   #notice = h("div", { role: "alert" });
@@ -19,6 +22,7 @@ export class HomePage extends HTMLElement {
 
   connectedCallback() {
     document.title = "Trainbridge";
+    this.#jobs.limit = RECENT;
     show(
       this,
       h(
@@ -48,7 +52,7 @@ export class HomePage extends HTMLElement {
       const items = /** @type {Template[]} */ (templates.items);
       const cards = items.map(card);
       show(this.#cards, cards);
-      this.#jobs.jobs = jobs.items;
+      this.#jobs.page = jobs;
       this.#count();
       store.watch("job", (job) => this.#update(job), this.#ended.signal);
       for (const [index, item] of items.entries()) void estimate(item, cards[index]);

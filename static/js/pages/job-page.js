@@ -1,18 +1,21 @@
 // @ts-check
 /** One job: its state, its verdict, and the instrument of 3D view, plots and one time cursor. */
+import { JobHead } from "../components/job-head.js";
+import { ModesTable } from "../components/modes-table.js";
+import { RunFacts } from "../components/run-facts.js";
 import { RunInstrument } from "../components/run-instrument.js";
 import { RunProgress } from "../components/run-progress.js";
+import { SweepTable, worst } from "../components/sweep-table.js";
 import { VerdictBar } from "../components/verdict-bar.js";
-import { RunFacts } from "../components/run-facts.js";
 import { api } from "../api.js";
 import { h, show } from "../dom.js";
-import { ago, speed, stateText } from "../format.js";
 import { momentOfInterest } from "../moment.js";
 import { store } from "../store.js";
 import { trouble } from "../trouble.js";
 
 /** @typedef {import("../types.js").Job} Job */
 /** @typedef {import("../types.js").Run} Run */
+/** @typedef {import("../components/sweep-table.js").Judged} Judged */
 
 const ACTIVE = new Set(["queued", "running"]);
 
@@ -25,7 +28,7 @@ export class JobPage extends HTMLElement {
   #known = null;
   /** Id of the run that is shown, where there are several. */
   #chosen = "";
-  #head = h("div", { class: "job-head" });
+  #head = /** @type {JobHead} */ (h("tb-job-head", { class: "job-head" }));
   #state = h("div", { class: "stack", "aria-live": "polite" });
   #progress = /** @type {RunProgress} */ (h("tb-run-progress", { hidden: true }));
   #instrument = /** @type {RunInstrument} */ (h("tb-run-instrument", { hidden: true }));
@@ -41,6 +44,8 @@ export class JobPage extends HTMLElement {
       this.#instrument,
       this.#facts,
     );
+    this.addEventListener("cancel", () => void this.#cancel());
+    this.addEventListener("choose", (event) => this.#choose(/** @type {CustomEvent} */ (event).detail.run));
     store.watch(`job:${this.job}`, (job) => this.#update(job), this.#ended.signal);
     void this.#load();
   }
@@ -54,8 +59,7 @@ export class JobPage extends HTMLElement {
       this.#update(await api.job(this.job));
     } catch (error) {
       const unknown = /** @type {any} */ (error).status === 404;
-      const text = unknown ? "There is no such job here. It may have been removed." : /** @type {Error} */ (error).message;
-      show(this.#state, h("div", { class: "notice bad", role: "alert" }, h("p", null, text)));
+      show(this.#state, complaint(unknown ? "There is no such job here. It may have been removed." : error));
     }
   }
 
@@ -79,63 +83,32 @@ export class JobPage extends HTMLElement {
    * @param {Job} job
    */
   #enter(job) {
-    show(this.#head, this.#title(job));
-    if (job.state === "done") void this.#finish(job);
-    else show(this.#state, trouble(job));
+    this.#head.bind(job, this.#chosen);
+    if (ACTIVE.has(job.state)) show(this.#state);
+    else void this.#finish(job);
   }
 
-  /** @param {Job} job */
-  #title(job) {
-    const at = job.runs[0]?.parameters?.speed;
-    const cancel = h("button", { type: "button", class: "danger", onclick: () => void this.#cancel(cancel) }, "Cancel");
-    return h(
-      "div",
-      { class: "row spread" },
-      h(
-        "div",
-        null,
-        h("h1", null, job.name || job.kind),
-        h("p", { class: "soft" }, [job.runs.length > 1 ? `${job.runs.length} runs` : at && speed(at), `submitted ${ago(job.created, Date.now())}`].filter(Boolean).join(" · ")),
-      ),
-      h("div", { class: "row" }, job.runs.length > 1 && this.#picker(job), h("span", { class: `tag ${job.state}` }, stateText(job.state)), ACTIVE.has(job.state) && cancel),
-    );
-  }
-
-  /** Which run is shown. @param {Job} job */
-  #picker(job) {
-    const select = h(
-      "select",
-      { "aria-label": "Run", onchange: () => this.#choose(select.value, job) },
-      job.runs.map((run) => h("option", { value: run.id, selected: run.id === this.#chosen }, speed(run.parameters.speed))),
-    );
-    return select;
-  }
-
-  /**
-   * @param {string} run
-   * @param {Job} job
-   */
-  #choose(run, job) {
+  /** @param {string} run */
+  #choose(run) {
+    const job = this.#known;
+    if (!job || run === this.#chosen) return;
     this.#chosen = run;
     const fresh = /** @type {RunInstrument} */ (h("tb-run-instrument", { hidden: true }));
     this.#instrument.replaceWith(fresh);
     this.#instrument = fresh;
     this.query = new URLSearchParams();
-    const newest = this.#known ?? job;
-    this.#follow(newest);
-    if (newest.state === "done") void this.#finish(newest);
+    this.#head.bind(job, run);
+    this.#follow(job);
+    if (!ACTIVE.has(job.state)) void this.#finish(job);
   }
 
-  /** @param {HTMLButtonElement} button */
-  async #cancel(button) {
-    button.disabled = true;
-    show(button, "Cancelling…");
+  async #cancel() {
+    this.#head.cancelling = true;
     try {
       this.#update((await api.cancel(this.job)) ?? (await api.job(this.job)));
     } catch (error) {
-      button.disabled = false;
-      show(button, "Cancel");
-      show(this.#state, h("div", { class: "notice bad", role: "alert" }, h("p", null, /** @type {Error} */ (error).message)));
+      this.#head.cancelling = false;
+      show(this.#state, complaint(error));
     }
   }
 
@@ -156,24 +129,72 @@ export class JobPage extends HTMLElement {
     this.#instrument.progress(run.state, run.progress?.simulated_time ?? null);
   }
 
-  /** @param {Job} job */
+  /** What there is of a job that has ended: of a sweep some runs may be done. @param {Job} job */
   async #finish(job) {
-    /** @type {Run[]} */
-    const runs = await Promise.all(job.runs.map((run) => api.run(run.id)));
-    const verdicts = runs.flatMap((run) => run.verdicts ?? []);
-    const unjudged = runs.map((run) => /** @type {any} */ (run.summary)?.unjudged).find(Boolean);
-    const bars = verdicts.map((verdict) => {
-      const bar = /** @type {VerdictBar} */ (h("tb-verdict-bar"));
-      bar.verdict = verdict;
-      return bar;
-    });
-    show(this.#state, bars, bars.length === 0 && unjudged && h("div", { class: "notice" }, h("p", null, unjudged)));
-    const shown = runs.find((run) => run.id === this.#chosen) ?? runs[0];
-    const moment = momentOfInterest(shown);
-    if (moment !== null) this.#instrument.suggest(moment);
-    this.#facts.hidden = false;
-    this.#facts.run = shown;
+    show(this.#state, trouble(job));
+    const done = job.runs.filter((run) => run.state === "done");
+    if (!done.length) return;
+    try {
+      const judged = done.length > 1 ? await verdictsOf(done.map((run) => run.id)) : [];
+      if (!this.#chosen && judged.length) return this.#choose(worst(judged).run);
+      const shown = done.find((run) => run.id === this.#chosen) ?? (this.#chosen ? null : done[0]);
+      /** @type {Run | null} */
+      const run = shown && (await api.run(shown.id));
+      show(this.#state, trouble(job), judged.length > 0 && this.#sweep(judged), run && results(run));
+      this.#facts.hidden = !run;
+      if (run) this.#explain(run);
+    } catch (error) {
+      show(this.#state, trouble(job), complaint(error));
+    }
   }
+
+  /** @param {Judged[]} judged */
+  #sweep(judged) {
+    const table = /** @type {SweepTable} */ (h("tb-sweep-table"));
+    table.bind(judged, this.#chosen);
+    return table;
+  }
+
+  /** @param {Run} run */
+  #explain(run) {
+    const moment = momentOfInterest(run);
+    if (moment !== null) this.#instrument.suggest(moment);
+    this.#facts.run = run;
+  }
+}
+
+/** @param {unknown} error */
+function complaint(error) {
+  const text = error instanceof Error ? error.message : String(error);
+  return h("div", { class: "notice bad", role: "alert" }, h("p", null, text));
+}
+
+/**
+ * The deciding verdict of each run that has one.
+ *
+ * @param {string[]} runs
+ * @returns {Promise<Judged[]>}
+ */
+async function verdictsOf(runs) {
+  const answers = await Promise.all(runs.map((run) => api.runVerdicts(run)));
+  return answers.flatMap((answer, index) => (answer.items.length ? [{ run: runs[index], verdict: answer.items[0] }] : []));
+}
+
+/** Verdict or modes of one run, or why there is neither. @param {Run} run */
+function results(run) {
+  const summary = run.summary ?? {};
+  if (summary.modes) {
+    const table = /** @type {ModesTable} */ (h("tb-modes-table"));
+    table.modes = summary.modes;
+    return table;
+  }
+  const bars = (run.verdicts ?? []).map((verdict) => {
+    const bar = /** @type {VerdictBar} */ (h("tb-verdict-bar"));
+    bar.bind(verdict, summary.facts?.mesh_accuracy ?? []);
+    return bar;
+  });
+  if (bars.length || !summary.unjudged) return bars;
+  return h("div", { class: "notice" }, h("p", null, summary.unjudged));
 }
 
 customElements.define("tb-job-page", JobPage);

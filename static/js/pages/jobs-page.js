@@ -7,21 +7,39 @@ import { store } from "../store.js";
 
 export class JobsPage extends HTMLElement {
   #ended = new AbortController();
+  #notice = h("div", { role: "alert" });
+  #list = /** @type {JobList} */ (h("tb-job-list"));
 
   async connectedCallback() {
     document.title = "Jobs · Trainbridge";
-    const list = /** @type {JobList} */ (h("tb-job-list"));
-    show(this, h("h1", null, "Jobs"), list);
+    show(this, h("h1", null, "Jobs"), this.#notice, this.#list);
+    this.addEventListener("more", (event) => void this.#more(/** @type {CustomEvent} */ (event).detail.cursor));
     try {
-      list.jobs = (await api.jobs()).items;
-      store.watch("job", (job) => list.update(job), this.#ended.signal);
+      this.#list.page = await api.jobs();
+      store.watch("job", (job) => this.#list.update(job), this.#ended.signal);
     } catch (error) {
-      show(this, h("div", { class: "notice bad", role: "alert" }, h("p", null, /** @type {Error} */ (error).message)));
+      this.#complain(error);
     }
   }
 
   disconnectedCallback() {
     this.#ended.abort();
+  }
+
+  /** @param {string} cursor */
+  async #more(cursor) {
+    try {
+      this.#list.add(await api.jobs(cursor));
+      show(this.#notice);
+    } catch (error) {
+      this.#list.add({ items: [], next: cursor }); // the button works again
+      this.#complain(error);
+    }
+  }
+
+  /** @param {unknown} error */
+  #complain(error) {
+    show(this.#notice, h("div", { class: "notice bad" }, h("p", null, /** @type {Error} */ (error).message)));
   }
 }
 

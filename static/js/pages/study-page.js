@@ -28,7 +28,8 @@ export class StudyPage extends HTMLElement {
   #form = /** @type {StudyForm} */ (h("tb-study-form"));
   #drawing = /** @type {Elevation} */ (h("tb-elevation"));
   #report = /** @type {StudyReport} */ (h("tb-study-report"));
-  #run = h("button", { type: "button", class: "primary wide", onclick: () => void this.#submit() }, "Run");
+  #run = h("button", { type: "button", class: "primary wide", onclick: () => void this.#submit(this.#kind) }, "Run");
+  #modes = h("button", { type: "button", class: "wide", onclick: () => void this.#submit("modes") }, "Natural modes");
   #state = h("p", { class: "soft small", role: "status" });
 
   async connectedCallback() {
@@ -72,14 +73,34 @@ export class StudyPage extends HTMLElement {
         "div",
         { class: "study" },
         this.#form,
-        h("aside", { class: "card stack", "aria-label": "Check and run" }, h("div", { class: "drawing" }, this.#drawing), this.#report, this.#run, this.#state),
+        h("aside", { class: "card stack", "aria-label": "Check and run" }, h("div", { class: "drawing" }, this.#drawing), this.#report, this.#actions(), this.#state),
       ),
     );
     this.#form.bind(this.#study, schema);
     this.#drawing.study = this.#study;
     this.addEventListener("study", (event) => this.#changed(/** @type {CustomEvent} */ (event).detail));
-    this.addEventListener("broken", () => this.#setReady(false, "Something typed is not a value yet."));
+    this.addEventListener("broken", () => this.#setReady(false, this.#toMend()));
     void this.#check();
+  }
+
+  #actions() {
+    return h(
+      "div",
+      { class: "actions" },
+      this.#run,
+      this.#modes,
+      h("p", { class: "soft small" }, "Natural modes: frequencies, damping and shapes of the viaduct with its track, without the train."),
+    );
+  }
+
+  /** Which inputs to mend; each leads there. */
+  #toMend() {
+    const marked = this.#form.marked;
+    if (!marked.length) return "Mend what is said above first.";
+    const links = marked.map((field) =>
+      h("button", { type: "button", class: "link", onclick: () => field.focus() }, field.name),
+    );
+    return ["To mend first: ", links.flatMap((item, index) => (index ? [", ", item] : [item]))];
   }
 
   /** @param {Study} study */
@@ -112,7 +133,7 @@ export class StudyPage extends HTMLElement {
     const elsewhere = this.#form.place(errors);
     this.#report.update(report, elsewhere);
     const fine = errors.length === 0 && !this.#form.broken;
-    this.#setReady(fine, fine ? "Checked: ready to run." : "Mend the marked inputs first.");
+    this.#setReady(fine, fine ? "Checked: ready to run." : this.#toMend());
   }
 
   /** @param {unknown} error */
@@ -124,17 +145,19 @@ export class StudyPage extends HTMLElement {
 
   /**
    * @param {boolean} ready
-   * @param {string} text
+   * @param {import("../dom.js").Child} words
    */
-  #setReady(ready, text) {
+  #setReady(ready, words) {
     this.#run.disabled = !ready;
-    show(this.#state, text);
+    this.#modes.disabled = !ready;
+    show(this.#state, words);
   }
 
-  async #submit() {
+  /** @param {string} kind */
+  async #submit(kind) {
     this.#setReady(false, "Starting…");
     try {
-      const job = await api.submit({ kind: this.#kind, study: this.#study });
+      const job = await api.submit({ kind, study: this.#study });
       location.hash = link("jobs", job.id);
     } catch (error) {
       this.#refused(error);
