@@ -146,7 +146,7 @@ def _draw_note(axes: Any, note: Mapping[str, Any]) -> None:
     }
     if not note["showarrow"]:
         axes.text(
-            1.0,
+            0.996,
             note["y"],
             plain(note["text"]),
             ha="right",

@@ -78,7 +78,7 @@ def slab_acceleration(run: RunSource, request: FigureRequest) -> Figure:
     judged = [curve for curve in curves if not curve.name.endswith(", raw")] or curves
     return compose(
         plan=run.plan,
-        title="Vertical acceleration of the slab",
+        title=f"Vertical acceleration of the {_part(run)}",
         value_title="acceleration [m/s²]",
         traces=traces,
         table=table,
@@ -99,6 +99,11 @@ def _chosen(run: RunSource, request: FigureRequest) -> Sequence[ChannelSpec]:
     ]
     middle = [spec for spec in accelerations if spec.name.startswith("mid-span 2, axis")]
     return (middle or accelerations)[:1]
+
+
+def _part(run: RunSource) -> str:
+    """What the accelerations are of: a plain beam has no slab that a clause judges."""
+    return "slab" if run.plan.slab.judged_spans else "deck"
 
 
 def _stored_filtered(run: RunSource) -> dict[str, str]:

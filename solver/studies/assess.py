@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from solver.results import RunPlan
 from solver.simulation import Extremes
 from solver.standards.deck_acceleration import CutOff, decide, eurocode_cut_off
 from solver.standards.low_pass import low_pass
-from solver.standards.verdict import Scope
+from solver.standards.verdict import Scope, Verdict
 from solver.studies.study import Study
 
 __all__ = ["Assessment", "assess"]
@@ -77,23 +78,7 @@ def assess(
             peaks=peaks,
         )
     cut_off = _cut_off(study, plan)
-    offset = study.integration.alpha * plan.time_step
-    verdict = decide(
-        slab_blocks(),
-        slab=plan.slab,
-        times=np.arange(plan.n_sample) * plan.time_step + offset,
-        window_start=plan.window_start,
-        cut_off=cut_off,
-        scope=Scope(
-            train=study.train.name,
-            speed=plan.speed,
-            irregularity=describe(study.irregularity),
-            mesh_level=study.mesh_level,
-        ),
-        line_speed=study.line_speed or None,
-        highest_speed=max(study.sweep.speeds),
-        bearings_in_tension=_bearings_in_tension(plan, extremes),
-    )
+    verdict = _verdict(study, plan, slab_blocks, cut_off, _bearings_in_tension(plan, extremes))
     place = verdict.place
     deciding = np.argmin(np.abs(plan.slab.coordinates - (place.x, place.y, place.z)).sum(axis=1))
     points = {**plan.slab.named, "deciding point": int(deciding)}
@@ -110,12 +95,39 @@ def assess(
     )
 
 
+def _verdict(
+    study: Study,
+    plan: RunPlan,
+    slab_blocks: SlabBlocks,
+    cut_off: CutOff,
+    bearings_in_tension: tuple[str, ...],
+) -> Verdict:
+    """On the deck's acceleration, at the times for which the method gives accelerations."""
+    offset = study.integration.alpha * plan.time_step
+    return decide(
+        slab_blocks(),
+        slab=plan.slab,
+        times=np.arange(plan.n_sample) * plan.time_step + offset,
+        window_start=plan.window_start,
+        cut_off=cut_off,
+        scope=Scope(
+            train=study.train.name,
+            speed=plan.speed,
+            irregularity=describe(study.irregularity),
+            mesh_level=study.mesh_level,
+        ),
+        line_speed=study.line_speed or None,
+        highest_speed=max(study.sweep.speeds),
+        bearings_in_tension=bearings_in_tension,
+    )
+
+
 def _cut_off(study: Study, plan: RunPlan) -> CutOff:
     """The user's cut-off, or the standard's."""
     chosen = study.outputs.cut_off_frequency
     if chosen > 0.0:
         return CutOff(frequency=chosen, origin="chosen by the user")
-    first, _, third = plan.facts["member_frequencies"]  # type: ignore[misc]
+    first, _, third = cast(Sequence[float], plan.facts["member_frequencies"])
     return eurocode_cut_off(first, third)
 
 

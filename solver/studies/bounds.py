@@ -76,9 +76,7 @@ def _record(value: Any, kinds: tuple[Any, ...], path: Path) -> Iterator[Finding]
         yield from violations(value, path)
         return
     names = " or ".join(kind.__name__ for kind in kinds)
-    yield Finding(
-        path=path, value=value, reason="is of another kind", remedy=f"Give {names}."
-    )
+    yield Finding(path=path, value=value, reason="is of another kind", remedy=f"Give {names}.")
 
 
 def _sequence(

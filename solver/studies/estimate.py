@@ -82,9 +82,7 @@ def _beam_nodes(bridge: BeamBridge) -> int:
 
 
 @lru_cache(maxsize=32)
-def structure_unknowns(
-    viaduct: ViaductProperties, track: TrackProperties, level: MeshLevel
-) -> int:
+def structure_unknowns(viaduct: ViaductProperties, track: TrackProperties, level: MeshLevel) -> int:
     """Unknowns of the three-dimensional structure; counted once a study, not once a run.
 
     Raises:

@@ -14,7 +14,7 @@ from solver.models.ballasted_track import TrackProperties
 from solver.models.beam_bridge import BeamBridge, beam_bridge_line
 from solver.models.viaduct import ViaductProperties
 from solver.studies.crossing import Crossing, structure_ends
-from solver.studies.scene import Report, Scene, build_scene
+from solver.studies.scene import Scene, StageListener, build_scene
 from solver.studies.study import Study
 from solver.system.assembled import AssembledTrack, assemble_track
 
@@ -44,7 +44,7 @@ class ViaductModes:
     track: AssembledTrack
 
 
-def viaduct_modes(study: Study, report: Report, count: int = _COUNT) -> ViaductModes:
+def viaduct_modes(study: Study, report: StageListener, count: int = _COUNT) -> ViaductModes:
     """Modes of the study's viaduct, rails and pads included.
 
     Args:
@@ -74,7 +74,7 @@ def viaduct_modes(study: Study, report: Report, count: int = _COUNT) -> ViaductM
     )
 
 
-def modal_analysis(study: Study, report: Report = lambda stage: None) -> dict[str, Any]:
+def modal_analysis(study: Study, report: StageListener = lambda stage: None) -> dict[str, Any]:
     """Modal analysis as plain JSON: frequencies, damping, what each mode looks like.
 
     Args:

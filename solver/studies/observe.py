@@ -11,7 +11,7 @@ from solver.arrays import IntArray, IntVector, Matrix, SparseMatrix, Vector
 from solver.models.ballasted_track import TrackProperties
 from solver.models.beam_bridge import BeamBridge
 from solver.models.beam_line import BeamLine
-from solver.models.train import TrainModel
+from solver.models.train import Body, TrainModel
 from solver.models.viaduct import ViaductProperties
 from solver.results import (
     BodyGeometry,
@@ -107,7 +107,21 @@ def record(study: Study, scene: Scene, acceleration_offset: float) -> Recording:
         bodies=sparse.csr_array(np.concatenate([body.rows for body in cars])),
         deck_part=deck.part,
     )
-    geometry = Geometry(
+    first = train.wheel_names[0]
+    decisive = _decisive(named)
+    live = (f"{decisive}/acceleration", f"{decisive}/displacement", f"{first}/contact force")
+    return Recording(
+        channels=channels,
+        slab=deck.slab,
+        geometry=_geometry(deck, train, cars),
+        observation=observation,
+        live=live,
+    )
+
+
+def _geometry(deck: _Deck, train: TrainModel, cars: list[Body]) -> Geometry:
+    """What is drawn: the deck's surface, the wheels, the cars and bogies."""
+    return Geometry(
         vertices=deck.vertices,
         layers=deck.layers,
         wheels=WheelGeometry(
@@ -126,12 +140,6 @@ def record(study: Study, scene: Scene, acceleration_offset: float) -> Recording:
         ),
         spans=deck.spans,
     )  # fmt: skip
-    first = train.wheel_names[0]
-    decisive = _decisive(named)
-    live = (f"{decisive}/acceleration", f"{decisive}/displacement", f"{first}/contact force")
-    return Recording(
-        channels=channels, slab=deck.slab, geometry=geometry, observation=observation, live=live
-    )
 
 
 def _decisive(named: list[str]) -> str:

@@ -15,7 +15,7 @@ from solver.simulation import Simulation
 from solver.studies.crossing import crossing
 from solver.studies.member_modes import member_frequencies
 from solver.studies.observe import Recording, record
-from solver.studies.scene import Report, Scene, build_scene
+from solver.studies.scene import Scene, StageListener, build_scene
 from solver.studies.study import Study
 
 __all__ = ["prepare", "runs_of"]
@@ -26,7 +26,9 @@ def runs_of(study: Study) -> tuple[dict[str, float], ...]:
     return tuple({"speed": speed} for speed in study.sweep.speeds)
 
 
-def prepare(study: Study, run_index: int = 0, report: Report = lambda stage: None) -> Simulation:
+def prepare(
+    study: Study, run_index: int = 0, report: StageListener = lambda stage: None
+) -> Simulation:
     """Builds the models of one run, factorises, and finds the static start.
 
     Args:
@@ -69,7 +71,9 @@ def prepare(study: Study, run_index: int = 0, report: Report = lambda stage: Non
     return Simulation(plan, scene.system, method, recording.observation)
 
 
-def _facts(study: Study, scene: Scene, recording: Recording, report: Report) -> dict[str, object]:
+def _facts(
+    study: Study, scene: Scene, recording: Recording, report: StageListener
+) -> dict[str, object]:
     """What the summary says about the model, in SI units and plain words."""
     line, structure = scene.system.line, scene.structure
     facts: dict[str, object] = {

@@ -132,7 +132,8 @@ def _cut_off(study: Study) -> Iterator[Finding]:
         path=("integration", "time_step"),
         value=study.integration.time_step,
         reason=f"is too long to filter the deck's acceleration at {whose} {frequency:g} Hz",
-        remedy=f"Use at most {_rounded_down(longest, 2):.2g} s" + (", or a lower cut-off." if chosen else "."),
+        remedy=f"Use at most {_rounded_down(longest, 2):.2g} s"
+        + (", or a lower cut-off." if chosen else "."),
     )
 
 
@@ -268,5 +269,8 @@ def _short_defect(study: Study) -> Iterator[Finding]:
             path=("irregularity", "wave_number"),
             value=defect.wave_number,
             reason="makes a defect so short that a wheel takes few steps over it",
-            remedy=f"Use time steps of at most {_rounded_down(allowed, 2):.2g} s to resolve its contact forces.",
+            remedy=(
+                f"Use time steps of at most {_rounded_down(allowed, 2):.2g} s to resolve its "
+                "contact forces."
+            ),
         )

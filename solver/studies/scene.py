@@ -26,7 +26,7 @@ from solver.system.track_compliance import matched_approach, structure_matrices
 
 __all__ = ["Scene", "build_scene"]
 
-Report = Callable[[str], None]
+StageListener = Callable[[str], None]
 """Told the name of each stage as it begins."""
 
 
@@ -47,7 +47,7 @@ class Scene:
     bed_stiffness: float
 
 
-def build_scene(study: Study, extent: Crossing, speed: float, report: Report) -> Scene:
+def build_scene(study: Study, extent: Crossing, speed: float, report: StageListener) -> Scene:
     """Builds the models of one run.
 
     Args:
@@ -91,7 +91,7 @@ def build_scene(study: Study, extent: Crossing, speed: float, report: Report) ->
 
 
 def _ballasted(
-    study: Study, extent: Crossing, report: Report
+    study: Study, extent: Crossing, report: StageListener
 ) -> tuple[StructureModel, BeamLine, IntVector, float]:
     """Viaduct, ballasted track and rails."""
     viaduct, track = study.viaduct, study.track

@@ -6,13 +6,15 @@ from solver.errors import InputError
 from solver.simulation import Simulation
 from solver.studies.check import check
 from solver.studies.prepare import prepare
-from solver.studies.scene import Report
+from solver.studies.scene import StageListener
 from solver.studies.study import Study
 
 __all__ = ["simulate"]
 
 
-def simulate(study: Study, run_index: int = 0, report: Report = lambda stage: None) -> Simulation:
+def simulate(
+    study: Study, run_index: int = 0, report: StageListener = lambda stage: None
+) -> Simulation:
     """Checks a study and makes one of its runs ready; iterate over it to take the steps.
 
     Args:

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import scipy.linalg as dense
 import scipy.sparse as sparse
-
 from scipy.linalg import lapack
 
 from solver.arrays import FloatArray, IntVector, Matrix, SparseMatrix, Vector

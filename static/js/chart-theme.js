@@ -37,7 +37,7 @@ export function themed(figure, theme, narrow) {
   };
   const { title: _, ...layout } = source.layout;
   return {
-    data: source.data,
+    data: narrow ? source.data.map(shortened) : source.data,
     layout: {
       ...layout,
       uirevision: "kept",
@@ -52,6 +52,15 @@ export function themed(figure, theme, narrow) {
       annotations: layout.annotations.map((/** @type {any} */ note) => placed(note, theme, narrow)),
     },
   };
+}
+
+/**
+ * A curve whose name fits a narrow legend: where it lies stands in the words below.
+ *
+ * @param {any} curve
+ */
+function shortened(curve) {
+  return { ...curve, name: String(curve.name).replace(/, x = [^,]+, y = [^,]+/, "") };
 }
 
 /**

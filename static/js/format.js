@@ -101,6 +101,15 @@ export function remaining(range) {
   return `${unit === same ? least.slice(0, -unit.length) : least} to ${most} left`;
 }
 
+/**
+ * An estimate of a duration, no finer than it deserves.
+ *
+ * @param {number | null | undefined} seconds
+ */
+export function roughly(seconds) {
+  return typeof seconds === "number" && Number.isFinite(seconds) ? `about ${duration(coarse(seconds))}` : "–";
+}
+
 /** @param {number} seconds */
 function coarse(seconds) {
   if (seconds < 20) return Math.round(seconds);

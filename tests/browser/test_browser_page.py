@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from typing import Any
 
@@ -97,7 +96,7 @@ def test_a_bad_speed_is_refused_at_its_field(
     page: Any, picture: Callable[[Any, str], None]
 ) -> None:
     page.goto("/#/study/khst-alverca")
-    speed = page.locator("tb-field[data-pointer='/sweep/speeds/0']")
+    speed = page.locator("tb-field[data-pointer='/sweep/speeds']")
     run = page.get_by_role("button", name="Run", exact=True)
     page.get_by_text("Checked: ready to run.").wait_for()
     speed.locator("input").fill("-10")
@@ -145,25 +144,17 @@ def test_a_running_job_is_cancelled(page: Any, picture: Callable[[Any, str], Non
     picture(page, "cancelled")
 
 
-def test_a_failed_job_says_what_happened_and_what_to_try(
-    page: Any, picture: Callable[[Any, str], None]
-) -> None:
-    job = {
-        "id": "broken",
-        "kind": "crossing",
-        "name": "Broken",
-        "state": "failed",
-        "progress": None,
-        "created": "2024-01-01T00:00:00Z",
-        "started": None,
-        "ended": None,
-        "error": {"title": "No convergence", "detail": "The search did not settle at t = 1 s."},
-        "runs": [],
-    }
-    page.route("**/api/v1/jobs/broken", lambda route: route.fulfill(body=json.dumps(job)))
-    page.goto("/#/jobs/broken")
-    page.get_by_text("The search did not settle at t = 1 s.").wait_for()
-    picture(page, "failed")
+def test_what_is_to_mend_is_named_beside_run_and_leads_to_its_field(page: Any) -> None:
+    page.goto("/#/study/khst-alverca")
+    page.get_by_text("Checked: ready to run.").wait_for()
+    page.locator("summary", has_text="Approach").click()
+    length = page.locator("tb-field[data-pointer='/approach/length']")
+    length.locator("input").fill("50")
+    length.get_by_text("Use at least", exact=False).wait_for()
+    page.locator("summary", has_text="Approach").click()  # folded away again
+    page.get_by_role("button", name="Length").click()
+    expect(length.locator("input")).to_be_focused()
+    assert page.get_by_role("button", name="Natural modes").is_disabled()
 
 
 def test_a_job_that_is_not_there_says_so(page: Any) -> None:
@@ -243,11 +234,13 @@ def test_one_click_takes_the_khst_over_alverca_to_its_verdict(
     words = verdict.inner_text()
     assert "432 km/h" in words
     assert "screening mesh" in words
+    assert "Measured on" in words
     assert "3.5 m/s²" in words
     assert "EN 1990" in words
     assert "safe" not in words.lower()
     band = page.locator("tb-chart[data-figure=slab-acceleration]")
     band.get_by_text("below 30 Hz", exact=False).first.wait_for()
+    band.get_by_text("deciding point, x = ", exact=False).first.wait_for()
     page.locator("tb-viewer-frame iframe").wait_for()
     page.wait_for_timeout(4000)
     picture(page, "khst-done")

@@ -1,7 +1,7 @@
 // What people read: numbers, durations, units.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { ago, bytes, duration, label, number, quantity, remaining, speed, stateText, unitText } from "../../static/js/format.js";
+import { ago, besideLimit, bytes, duration, label, number, quantity, remaining, roughly, speed, stateText, unitText } from "../../static/js/format.js";
 
 test("numbers keep their significant figures and group thousands", () => {
   assert.equal(number(3.9812), "3.98");
@@ -28,10 +28,15 @@ test("durations are ones that people plan with", () => {
   assert.equal(duration(125), "2 min 5 s");
   assert.equal(duration(1800), "30 min");
   assert.equal(duration(5400), "1 h 30 min");
-  assert.equal(remaining([30, 62]), "30 s to 60 s left");
+  assert.equal(remaining([30, 62]), "30 to 60 s left");
+  assert.equal(remaining([115, 175]), "2 to 3 min left");
+  assert.equal(remaining([62, 185]), "60 s to 3 min left");
   assert.equal(remaining([41, 42]), "about 40 s left");
   assert.equal(remaining([0.2, 0.9]), "a moment left");
   assert.equal(remaining(null), "");
+  assert.equal(roughly(337), "about 6 min");
+  assert.equal(roughly(82), "about 80 s");
+  assert.equal(roughly(undefined), "–");
 });
 
 test("sizes, ages, states and labels", () => {
@@ -41,4 +46,10 @@ test("sizes, ages, states and labels", () => {
   assert.equal(ago("2024-01-01T00:00:00", Date.UTC(2024, 0, 1, 3)), "3 h ago");
   assert.equal(stateText("out_of_memory"), "Out of memory");
   assert.equal(label("line_speed"), "Line speed");
+});
+
+test("a verdict's value never reads as its limit", () => {
+  assert.equal(besideLimit(9.4029, 3.5), "9.40");
+  assert.equal(besideLimit(3.5003, 3.5), "3.5003");
+  assert.equal(besideLimit(3.5, 3.5), "3.50");
 });

@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { channelUrl, eventsUrl, figureUrl } from "../../static/js/api.js";
 import { themed } from "../../static/js/chart-theme.js";
+import { subject, worst } from "../../static/js/job-words.js";
 import { link, parse } from "../../static/js/router.js";
 import { troubleWords } from "../../static/js/trouble.js";
 
@@ -36,6 +37,30 @@ test("dark charts get light curves; the server's figure stays as it is", () => {
   assert.equal(drawn.data[0].x, figure.data[0].x);
   assert.equal(drawn.layout.annotations[0].bgcolor, "p");
   assert.equal(themed(figure, { ...theme, dark: false }, true).data[0].line.color, "#0072B2");
+});
+
+test("a narrow chart keeps a callout's value and a curve's short name", () => {
+  const note = { showarrow: true, bgcolor: "#FFFFFF", text: "9.40 m/s²<br>deciding point<br>t = 3.484 s", ax: 48 };
+  const curve = { name: "deciding point, x = 29.2 m, y = 0.00 m, below 30 Hz", line: {}, x: [0], y: [0] };
+  const crowded = { ...figure, data: [curve], layout: { ...figure.layout, annotations: [note] } };
+  const narrow = themed(crowded, theme, true);
+  assert.equal(narrow.layout.annotations[0].text, "9.40 m/s²");
+  assert.equal(narrow.data[0].name, "deciding point, below 30 Hz");
+  const wide = themed(crowded, theme, false);
+  assert.equal(wide.layout.annotations[0].text, note.text);
+  assert.equal(wide.data[0].name, curve.name);
+});
+
+test("a job says what it computes", () => {
+  const runs = (...speeds) => speeds.map((speed) => ({ parameters: { speed } }));
+  assert.equal(subject({ kind: "crossing", runs: runs(120) }), "432 km/h");
+  assert.equal(subject({ kind: "crossing", runs: runs(120, 60, 100) }), "3 speeds, 216 to 432 km/h");
+  assert.equal(subject({ kind: "modes", runs: [{ parameters: {} }] }), "Natural modes");
+});
+
+test("the run furthest beyond its limit is shown first", () => {
+  const judged = (run, value, limit) => ({ run, verdict: { value, limit } });
+  assert.equal(worst([judged("a", 3, 3.5), judged("b", 9.4, 3.5), judged("c", 9.5, 5)]).run, "b");
 });
 
 test("a failed job says what happened and what to do", () => {

@@ -41,7 +41,7 @@ const study = { schema_version: 1, mesh_level: "coarse", irregularity: { type: "
 
 test("every plain input becomes one field, the chosen alternative's only", () => {
   const pointers = fieldsUnder(schema, study, "", document).map((item) => item.pointer);
-  assert.deepEqual(pointers, ["/mesh_level", "/irregularity/amplitude", "/irregularity/rail", "/sweep/speeds/0", "/sweep/speeds/1", "/contact/unilateral"]);
+  assert.deepEqual(pointers, ["/mesh_level", "/irregularity/amplitude", "/irregularity/rail", "/sweep/speeds", "/contact/unilateral"]);
   const none = fieldsUnder(schema, { ...study, irregularity: { type: "none" } }, "", document);
   assert.ok(!none.some((item) => item.pointer.startsWith("/irregularity")));
 });
@@ -64,7 +64,22 @@ test("a field shows display units and stores SI", () => {
   assert.match(entered("fast", speed).error, /number/);
   assert.match(entered("", speed).error, /number/);
   assert.match(entered("1e999", speed).error, /number/);
-  assert.equal(range(speed), "0 km/h to 720 km/h");
+  assert.equal(range(speed), "more than 0, up to 720 km/h");
+  assert.equal(range({ ...speed, above: false }), "0 to 720 km/h");
+  assert.equal(range({ ...speed, maximum: null }), "more than 0 km/h");
+});
+
+test("numbers in a row are one field: a sweep of speeds", () => {
+  const speeds = field(schemaAt(schema, study, "/sweep/speeds", document), [120], "/sweep/speeds", document);
+  assert.equal(speeds.kind, "list");
+  assert.equal(speeds.unit.display, "km/h");
+  assert.equal(shown([120, 200 / 3.6], speeds), "432, 200");
+  assert.deepEqual(entered("216, 360;432", speeds), { value: [60, 100, 120] });
+  assert.deepEqual(entered("432", speeds), { value: [120] });
+  assert.match(entered("200, 0, 432", speeds).error, /^0: Must be greater than 0 km\/h/);
+  assert.match(entered("200, fast", speeds).error, /^fast: Give a number/);
+  assert.match(entered(" , ", speeds).error, /Give a number/);
+  assert.match(entered("1 2 3", { ...speeds, most: 2 }).error, /at most 2/);
 });
 
 test("pointers read and change without touching what was", () => {
@@ -81,6 +96,7 @@ test("a finding goes to its field, or to the nearest one", () => {
   const fields = ["/sweep/speeds/0", "/mesh_level", "/irregularity/amplitude"];
   assert.equal(nearest("/study/sweep/speeds/0", fields), "/sweep/speeds/0");
   assert.equal(nearest("/sweep/speeds", fields), "/sweep/speeds/0");
+  assert.equal(nearest("/sweep/speeds/3", ["/sweep/speeds"]), "/sweep/speeds");
   assert.equal(nearest("/mesh_level/coarse", fields), "/mesh_level");
   assert.equal(nearest("/viaduct/spans", fields), null);
   assert.equal(nearest("", fields), null);

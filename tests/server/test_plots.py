@@ -132,6 +132,14 @@ def test_a_running_slab_figure_draws_raw_only_and_within_what_is_committed() -> 
     assert raw["name"] == "mid-span 2, axis, raw"
     assert max(raw["x"]) == pytest.approx(1.499)
     assert figure["layout"]["xaxis"]["range"] == [0.0, 4.0]  # the whole run, so that it grows
+    assert figure["layout"]["title"]["text"] == "Vertical acceleration of the slab"
+
+
+def test_a_plain_beams_acceleration_is_of_no_slab() -> None:
+    run = _run()
+    run.plan.slab = replace(run.plan.slab, judged_spans=())
+    title = _draw("slab-acceleration", run)["layout"]["title"]["text"]
+    assert title == "Vertical acceleration of the deck"
 
 
 def test_a_finished_slab_figure_draws_band_and_named_peak_of_the_filtered_curve() -> None:
@@ -245,6 +253,19 @@ def test_wheels_of_an_axle_that_feel_the_same_are_one_curve_that_says_so() -> No
     assert figure["summary"].startswith("Wheel 01 left and right: between")
     both = ("wheel 01 left/contact force", "wheel 01 right/contact force")
     assert len(_draw("contact-force", run, channels=both)["data"]) == 2
+
+
+def test_a_run_that_gets_on_while_a_figure_is_drawn_is_drawn_as_far_as_it_was_read() -> None:
+    class Computing(Run):
+        def channel(self, name: str, start: int = 0, stop: int | None = None) -> Vector:
+            self.committed += 250
+            return super().channel(name, start, stop)
+
+    run = Computing(**vars(_run(committed=500)))
+    run.histories["wheel 01 right/contact force"] = run.histories["wheel 01 left/contact force"]
+    for name in figures():
+        assert _draw(name, run)["data"]
+    assert _draw("contact-force", run)["data"][0]["name"] == "wheel 01 left and right"
 
 
 def test_displacements_are_in_millimetres_upward() -> None:

@@ -83,7 +83,9 @@ def test_all_wheels_in_the_air_carry_nothing() -> None:
 
 
 def test_bilateral_contact_pulls() -> None:
-    forces, touching, solves = solve_contact(np.eye(2), np.array([1.0, -2.0]), np.ones(2, bool), False)
+    forces, touching, solves = solve_contact(
+        np.eye(2), np.array([1.0, -2.0]), np.ones(2, bool), False
+    )
     np.testing.assert_allclose(forces, [1.0, -2.0])
     assert touching.all()
     assert solves == 1
@@ -98,8 +100,6 @@ def test_a_compliance_that_is_not_positive_is_refused() -> None:
 
 def test_a_search_without_end_says_when_and_at_which_wheel(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(complementarity, "_MOST_SOLVES", 3)
-    monkeypatch.setattr(
-        complementarity, "_wrong", lambda *_: np.array([False, True])
-    )
+    monkeypatch.setattr(complementarity, "_wrong", lambda *_: np.array([False, True]))
     with pytest.raises(ConvergenceError, match=r"t = 0\.25 s \(wheel 2"):
         solve_contact(np.eye(2), np.ones(2), np.ones(2, bool), True, 0.25)

@@ -33,9 +33,7 @@ def standing(two_spans: Study) -> Simulation:
     simulation = prepare(two_spans)
     system = replace(simulation.system, start_position=13.5)
     plan = replace(simulation.plan, start_position=13.5)
-    unrested = replace(
-        system, train=system.train.from_rest(-simulation.static.train)
-    )
+    unrested = replace(system, train=system.train.from_rest(-simulation.static.train))
     return Simulation(plan, unrested, simulation.method, simulation._observation)
 
 

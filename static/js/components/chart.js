@@ -30,6 +30,7 @@ export class Chart extends HTMLElement {
   #fetching = null;
   #plot = /** @type {any} */ (h("div", { class: "plot" }));
   #line = h("div", { class: "cursor-line", hidden: true });
+  #heading = h("h3");
   #summary = h("p", { class: "soft small summary" });
   #table = h("div", { class: "scroll" });
   #picker = /** @type {CurvePicker} */ (h("tb-curve-picker"));
@@ -50,9 +51,10 @@ export class Chart extends HTMLElement {
     this.#window = window;
     this.classList.add("card", "chart");
     this.dataset.figure = name;
+    show(this.#heading, title);
     show(
       this,
-      h("div", { class: "row spread" }, h("h3", null, title), this.#files),
+      h("div", { class: "row spread" }, this.#heading, this.#files),
       h("div", { class: "plot-frame" }, this.#plot, this.#line),
       this.#summary,
       h(
@@ -162,6 +164,7 @@ export class Chart extends HTMLElement {
 
   /** @param {Figure} figure */
   #describe(figure) {
+    if (figure.layout.title?.text) show(this.#heading, plain(figure.layout.title.text));
     show(this.#summary, figure.summary);
     const query = { ...this.#window, channels: this.#channels };
     this.#picker.bind(this.#run, [...new Set(figure.table.map((row) => row.channel).filter(Boolean))]);
@@ -174,6 +177,9 @@ export class Chart extends HTMLElement {
     show(this.#table, extremesTable(figure, this.#run));
   }
 }
+
+/** Text that the server escaped for plotly, which reads a kind of HTML. @param {string} text */
+const plain = (text) => text.replaceAll("&lt;", "<").replaceAll("&gt;", ">").replaceAll("&amp;", "&");
 
 /**
  * @param {boolean} dark

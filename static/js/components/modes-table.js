@@ -1,7 +1,6 @@
 // @ts-check
 /** The natural modes of a viaduct: frequency, damping, and which shape each one is. */
 import { h, show } from "../dom.js";
-import { number } from "../format.js";
 
 /** @typedef {import("../types.js").Mode} Mode */
 
@@ -11,7 +10,7 @@ export class ModesTable extends HTMLElement {
     this.classList.add("card", "modes");
     // A plain beam's modes need no names: they are sines, one after the other.
     const named = modes.some((mode) => mode.name);
-    const heads = ["Mode", "Frequency [Hz]", "Damping [%]", ...(named ? ["Shape", "MAC"] : [])];
+    const heads = ["Mode", "Frequency [Hz]", "Damping [%]", ...(named ? [SHAPE, "MAC"] : [])];
     show(
       this,
       h("h2", null, "Natural modes"),
@@ -21,7 +20,7 @@ export class ModesTable extends HTMLElement {
         h(
           "table",
           null,
-          h("thead", null, h("tr", null, heads.map((text) => h("th", { scope: "col" }, text)))),
+          h("thead", null, h("tr", null, heads.map((text) => h("th", { scope: "col", class: text === SHAPE && "shape" }, text)))),
           h("tbody", null, modes.map((mode) => row(mode, named))),
         ),
       ),
@@ -30,6 +29,7 @@ export class ModesTable extends HTMLElement {
   }
 }
 
+const SHAPE = "Shape";
 const MEANING =
   "Shapes are recognised over points of the deck: bending is a half sine of one span, second " +
   "bending a full sine, torsion a half sine on one side against the other. The modal assurance " +
@@ -44,7 +44,7 @@ function row(mode, named) {
     "tr",
     { class: named && mode.name ? "named" : "" },
     h("th", { scope: "row" }, mode.number),
-    h("td", null, number(mode.frequency, 4)),
+    h("td", null, mode.frequency.toFixed(2)),
     h("td", null, (mode.damping * 100).toFixed(2)),
     named && h("td", { class: "shape" }, mode.name || "–"),
     named && h("td", null, mode.name ? mode.assurance.toFixed(3) : "–"),

@@ -27,7 +27,10 @@ export class RunFacts extends HTMLElement {
   set run(run) {
     const summary = run.summary ?? {};
     this.classList.add("card", "run-facts");
-    const facts = Object.entries(summary.facts ?? {}).filter(([name]) => !SILENT.has(name));
+    const plainBeam = summary.facts?.unknowns_structure === 0;
+    const facts = Object.entries(summary.facts ?? {}).filter(
+      ([name]) => !SILENT.has(name) && !(plainBeam && name === "unknowns_structure"),
+    );
     show(
       this,
       h("h2", null, "How it was computed"),
@@ -35,12 +38,21 @@ export class RunFacts extends HTMLElement {
       h(
         "div",
         { class: "fact-columns" },
-        group("Model", facts.map(([name, value]) => [FACTS[name]?.[0] ?? label(name), inUnit(name, value)])),
+        group("Model", facts.map(([name, value]) => [title(name, plainBeam), inUnit(name, value)])),
         group("Time and memory", times(summary.timings ?? {})),
         group("Versions", Object.entries(summary.versions ?? {}).map(([name, text]) => [VERSIONS[name] ?? name, text])),
       ),
     );
   }
+}
+
+/**
+ * @param {string} name
+ * @param {boolean} plainBeam the wheels roll on the beam itself
+ */
+function title(name, plainBeam) {
+  if (plainBeam && name === "unknowns_rails") return "Unknowns of the beam";
+  return FACTS[name]?.[0] ?? label(name);
 }
 
 /**
@@ -54,7 +66,7 @@ function remarks(facts) {
   const notes = [
     accuracy.length > 0 && h("div", null, h("dt", null, "Accuracy of this mesh"), accuracy.map((line) => h("dd", null, line))),
     assumed.length > 0 && h("div", null, h("dt", null, "Assumed, because the sources do not print it"), h("dd", null, `${sentence(assumed.join("; "))}.`)),
-    lines(facts.assumption).map((line) => h("div", null, h("dt", null, "To know"), h("dd", null, `${sentence(line)}.`))),
+    lines(facts.assumption).map((line) => h("div", null, h("dt", null, "Note"), h("dd", null, `${sentence(line)}.`))),
   ];
   return notes.some((note) => (Array.isArray(note) ? note.length : note)) && h("dl", { class: "remarks" }, notes);
 }

@@ -12,7 +12,7 @@ import { TimeCursor } from "../time-cursor.js";
 /** @typedef {import("./chart.js").TimeWindow} TimeWindow */
 
 const FIGURES = [
-  ["slab-acceleration", "Acceleration of the slab"],
+  ["slab-acceleration", "Vertical acceleration"],
   ["contact-force", "Contact force"],
   ["displacement", "Displacement"],
 ];

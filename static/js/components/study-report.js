@@ -1,7 +1,7 @@
 // @ts-check
 /** What the server's check says of a study: estimate, derived values, warnings, other errors. */
 import { h, show } from "../dom.js";
-import { bytes, duration, label, number, quantity } from "../format.js";
+import { bytes, label, number, quantity, roughly } from "../format.js";
 import { sentence } from "./field.js";
 
 /** @typedef {import("../types.js").Report} Report */
@@ -26,7 +26,7 @@ export class StudyReport extends HTMLElement {
         h(
           "dl",
           { class: "facts" },
-          fact("Time", `about ${duration(estimate.seconds)}`),
+          fact("Time", roughly(estimate.seconds)),
           fact("Steps", number(estimate.steps, 4)),
           fact("Unknowns", number(estimate.unknowns, 3)),
           fact("Memory", bytes(estimate.memory_bytes)),

@@ -3,8 +3,7 @@
 import { h, show } from "../dom.js";
 import { besideLimit, speed, unitText } from "../format.js";
 
-/** @typedef {import("../types.js").Verdict} Verdict */
-/** @typedef {{ run: string, verdict: Verdict }} Judged */
+/** @typedef {import("../job-words.js").Judged} Judged */
 
 export class SweepTable extends HTMLElement {
   /**
@@ -25,7 +24,7 @@ export class SweepTable extends HTMLElement {
           "table",
           null,
           h("thead", null, h("tr", null, heads.map((text) => h("th", { scope: "col" }, text)))),
-          h("tbody", null, judged.map((item) => this.#row(item, chosen))),
+          h("tbody", null, inOrder(judged).map((item) => this.#row(item, chosen))),
         ),
       ),
     );
@@ -52,21 +51,14 @@ export class SweepTable extends HTMLElement {
 }
 
 /** @param {Judged[]} judged */
+const inOrder = (judged) => judged.toSorted((a, b) => a.verdict.speed - b.verdict.speed);
+
+/** @param {Judged[]} judged */
 function heading(judged) {
   const above = judged.filter((item) => item.verdict.exceeds).length;
   const speeds = `${judged.length} speed${judged.length > 1 ? "s" : ""}`;
   if (above === 0) return `Within the limit at ${judged.length > 1 ? "each of " : ""}${speeds} computed`;
   return `Exceeds the limit at ${above} of ${speeds} computed`;
-}
-
-/**
- * The run whose verdict is furthest beyond its limit, or nearest to it.
- *
- * @param {Judged[]} judged
- */
-export function worst(judged) {
-  const use = (/** @type {Judged} */ item) => item.verdict.value / item.verdict.limit;
-  return judged.reduce((a, b) => (use(b) > use(a) ? b : a));
 }
 
 customElements.define("tb-sweep-table", SweepTable);

@@ -1,7 +1,7 @@
 // @ts-check
 /** One study that is ready to run: its drawing, its size, one button. Emits `run`. */
 import { h, s, show } from "../dom.js";
-import { duration, number, speed } from "../format.js";
+import { number, roughly, speed } from "../format.js";
 import { link } from "../router.js";
 
 /** @typedef {import("../types.js").Template} Template */
@@ -85,7 +85,7 @@ function facts(template, estimate) {
       ? pair("Mesh", template.study.mesh_level)
       : pair("Steps", estimate ? number(estimate.steps, 3) : "…"),
     pair("Unknowns", estimate ? number(estimate.unknowns, 2) : "…"),
-    pair("Time", estimate ? `about ${duration(estimate.seconds)}` : "…"),
+    pair("Time", estimate ? roughly(estimate.seconds) : "…"),
   ];
 }
 

@@ -133,7 +133,7 @@ function row(item, limit) {
   return h(
     "tr",
     null,
-    h("th", { scope: "row" }, item.name),
+    h("th", { scope: "row" }, item.name.charAt(0).toUpperCase() + item.name.slice(1)),
     h("td", null, besideLimit(item.filtered.value, limit)),
     h("td", null, `${place.x.toFixed(1)}, ${place.y.toFixed(2)}`.replaceAll("-", "−")),
     h("td", null, item.filtered.time.toFixed(3)),

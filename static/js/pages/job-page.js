@@ -5,17 +5,18 @@ import { ModesTable } from "../components/modes-table.js";
 import { RunFacts } from "../components/run-facts.js";
 import { RunInstrument } from "../components/run-instrument.js";
 import { RunProgress } from "../components/run-progress.js";
-import { SweepTable, worst } from "../components/sweep-table.js";
+import { SweepTable } from "../components/sweep-table.js";
 import { VerdictBar } from "../components/verdict-bar.js";
 import { api } from "../api.js";
 import { h, show } from "../dom.js";
+import { worst } from "../job-words.js";
 import { momentOfInterest } from "../moment.js";
 import { store } from "../store.js";
 import { trouble } from "../trouble.js";
 
 /** @typedef {import("../types.js").Job} Job */
 /** @typedef {import("../types.js").Run} Run */
-/** @typedef {import("../components/sweep-table.js").Judged} Judged */
+/** @typedef {import("../job-words.js").Judged} Judged */
 
 const ACTIVE = new Set(["queued", "running"]);
 
@@ -69,7 +70,8 @@ export class JobPage extends HTMLElement {
     // An answer that was overtaken by the event stream must not turn the time back.
     if (before && !ACTIVE.has(before.state) && ACTIVE.has(job.state)) return;
     this.#known = job;
-    document.title = `${job.state === "running" ? `${Math.floor((job.progress?.fraction ?? 0) * 100)} % · ` : ""}${job.name} · Trainbridge`;
+    const percent = Math.floor((job.progress?.fraction ?? 0) * 100);
+    document.title = `${job.state === "running" && percent ? `${percent} % · ` : ""}${job.name} · Trainbridge`;
     const active = ACTIVE.has(job.state);
     this.#progress.hidden = !active;
     if (active) this.#progress.job = job;
