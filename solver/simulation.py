@@ -119,6 +119,11 @@ class Simulation:
         self.extremes = Extremes(len(plan.channels))
         self._step = 0
 
+    @property
+    def status_changes(self) -> int:
+        """Contacts lost or found so far."""
+        return self.effective.state.status_changes
+
     def __iter__(self) -> Iterator[Sample]:
         return self.samples()
 

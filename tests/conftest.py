@@ -8,7 +8,7 @@ import os
 for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
-import pytest
+import pytest  # noqa: E402 (the environment comes first)
 
 
 def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:

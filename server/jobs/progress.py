@@ -94,6 +94,11 @@ class ProgressMeter:
             self._count(sample, now)
             self._send()
 
+    def complete(self) -> None:
+        """Reports the end of work that takes no time steps."""
+        self._state |= {"step": self._state["steps"], "fraction": 1.0}
+        self._send()
+
     def _count(self, sample: Sample, now: float) -> None:
         steps = max(1, int(self._state["steps"]))
         self._marks.append((now, sample.step))

@@ -134,7 +134,7 @@ def run_study(
         "total": time.monotonic() - started,
     }
     summary = _summary(
-        facts=plan.facts,
+        facts=plan.facts | {"contacts_lost_or_found": simulation.status_changes},
         timings=timings,
         verdicts=assessment.verdicts,
         unjudged=assessment.unjudged,
@@ -166,6 +166,7 @@ def run_modes(
     meter = ProgressMeter(report, steps=1)
     started = time.monotonic()
     analysis = studies.modal_analysis(study, meter.stage)
+    meter.complete()
     timings = {"total": time.monotonic() - started}
     summary = _summary(timings=timings, verdicts=(), peaks={}, **analysis)
     write_summary(folder, summary)

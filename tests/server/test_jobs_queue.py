@@ -121,6 +121,7 @@ def test_modes_are_a_kind_of_job(tmp_path: Path) -> None:
         job = ended(client, submit(client, short_study(), kind="modes")["id"])
         assert job["state"] == "done", job
         assert job["kind"] == "modes"
+        assert job["progress"]["fraction"] == 1.0
         run = client.get(f"/api/v1/runs/{job['runs'][0]['id']}").json()
         assert run["summary"]["modes"][0]["frequency"] > 0
         # No histories: asked for, the server says so.
