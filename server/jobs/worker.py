@@ -22,8 +22,8 @@ from solver.arrays import IntVector, Matrix
 
 __all__ = ["RunTask", "Send", "Task", "run_modes", "run_study", "run_task"]
 
-_BLOCK_BYTES = 64 * 1024 * 1024
-"""Memory of one block of slab histories. [B]"""
+_BLOCK_BYTES = 12 * 1024 * 1024
+"""Memory of one block of slab histories; the filter takes about eight times as much. [B]"""
 _POINTS_PER_CHUNK = 64
 """Slab points that the store keeps together."""
 
@@ -115,15 +115,16 @@ def run_study(
     except BaseException:
         writer.abort()
         raise
+    extremes = simulation.extremes
+    facts = plan.facts | {"contacts_lost_or_found": simulation.status_changes}
+    del simulation  # its factor would stay beside the histories while they are judged
     computed = time.monotonic()
     meter.stage("storing the histories")
     writer.seal()
     stored = time.monotonic()
     meter.stage("judging")
     reader = RunReader(folder)
-    assessment = studies.assess(
-        study, plan, simulation.extremes, _slab_blocks(reader), reader.slab_point
-    )
+    assessment = studies.assess(study, plan, extremes, _slab_blocks(reader), reader.slab_point)
     writer.add_filtered({_filtered(name): v for name, v in assessment.filtered.items()})
     timings = {
         "preparation": prepared - started,
@@ -134,7 +135,7 @@ def run_study(
         "total": time.monotonic() - started,
     }
     summary = _summary(
-        facts=plan.facts | {"contacts_lost_or_found": simulation.status_changes},
+        facts=facts,
         timings=timings,
         verdicts=assessment.verdicts,
         unjudged=assessment.unjudged,

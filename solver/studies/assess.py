@@ -117,7 +117,7 @@ def _verdict(
             mesh_level=study.mesh_level,
         ),
         line_speed=study.line_speed or None,
-        highest_speed=max(study.sweep.speeds),
+        highest_speed=max(study.sweep.speeds) if len(study.sweep.speeds) > 1 else None,
         bearings_in_tension=bearings_in_tension,
     )
 
