@@ -34,7 +34,7 @@ AIR = 0.12
 
 
 def contact_force(run: RunSource, request: FigureRequest) -> Figure:
-    """Contact forces of the first axle's wheels, or of the wheels asked for.
+    """Contact forces of the first axle's wheels (of the first and last mass), or those asked for.
 
     Args:
         run: The run, finished or not.
@@ -88,7 +88,8 @@ def _chosen(run: RunSource, request: FigureRequest) -> Sequence[ChannelSpec]:
         return [channel_named(run, name) for name in request.channels]
     forces = [spec for spec in run.plan.channels if spec.name.endswith(QUANTITY)]
     first_axle = [spec for spec in forces if spec.name.startswith("wheel 01 ")]
-    return first_axle[:2] or forces[:2]
+    # Masses on one path follow one another: the first and the last differ most.
+    return first_axle[:2] or [*forces[:1], *forces[1:][-1:]]
 
 
 def _joined(curves: list[Curve]) -> list[Curve]:
