@@ -125,7 +125,7 @@ def _times(count: Unknowns) -> tuple[float, float]:
 
 
 def _memory(count: Unknowns) -> int:
-    """Peak memory of one run: measured 0.4, 1.4 and 3.0 GB for coarse, standard and fine mesh. [B]"""
+    """Peak memory of one run; measured 0.4, 1.4, 3.0 GB on coarse, standard, fine mesh. [B]"""
     factor = 2.9e9 * (count.structure / 1.1e5) ** 1.4 if _is_superlu() else 0.0
     return int(250e6 + factor + 11.3e3 * count.structure + 2.5e3 * count.rails)
 
