@@ -35,7 +35,7 @@ UNKNOWN_SESSION = 4404
 _GONE = 1001
 
 _STYLE = (
-    b"<style>[data-floating-window], #webgl-software-rendering"
+    b"<style>[data-floating-window], #root .mantine-Paper-root, #webgl-software-rendering"
     b" { display: none !important; }</style>"
 )
 
