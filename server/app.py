@@ -38,6 +38,8 @@ DATABASE = "trainbridge.sqlite"
 """Name of the database in the data folder."""
 _GRACE_SECONDS = 3
 """Time for open requests when the server stops. [s]"""
+_BACKLOG = 2048
+"""Connections that wait for the server to start, as uvicorn takes them later."""
 _LARGEST_MESSAGE = 64 * 1024 * 1024
 """A viewer's frames come as one message each. [B]"""
 
@@ -191,6 +193,8 @@ def _listen(host: str, port: int) -> socket.socket:
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind((host, port))
+        # Before the address is printed: who reads it and connects at once is not refused.
+        listener.listen(_BACKLOG)
     except OSError as error:
         listener.close()
         raise StartError(

@@ -22,18 +22,19 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-PACKAGES = "apt-get install chromium libegl1 libegl-mesa0 libgl1-mesa-dri"
+PACKAGES = "apt-get install chromium fonts-dejavu-core libegl1 libegl-mesa0 libgl1-mesa-dri"
 START_SECONDS = 30.0
 MESA = ("--no-sandbox", "--use-angle=gl-egl", "--ignore-gpu-blocklist")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Without Chromium these tests are skipped, and say how to get it."""
-    if CHROMIUM is not None:
-        return
+    """All are slow; without Chromium they are skipped, and say how to get it."""
     here = Path(__file__).parent
     for item in items:
-        if here in item.path.parents:
+        if here not in item.path.parents:
+            continue
+        item.add_marker(pytest.mark.slow)
+        if CHROMIUM is None:
             item.add_marker(pytest.mark.skip(reason=f"Chromium is missing: {PACKAGES}"))
 
 
