@@ -10,7 +10,6 @@ import numpy as np
 from solver.arrays import Matrix, Vector
 from solver.errors import InputError
 from solver.modal import deck_points, global_shapes, identify, modes, rayleigh_damping_ratios
-from solver.models.ballasted_track import TrackProperties
 from solver.models.beam_bridge import BeamBridge, beam_bridge_line
 from solver.models.viaduct import ViaductProperties
 from solver.studies.crossing import Crossing, structure_ends
@@ -89,24 +88,29 @@ def modal_analysis(study: Study, report: StageListener = lambda stage: None) -> 
     found = viaduct_modes(study, report)
     report("identifying the modes")
     names, likeness = identified(found, study)
-    entries = [
-        {
-            "number": index + 1,
-            "frequency": float(found.frequencies[index]),
-            "damping": float(found.damping[index]),
-            "name": names.get(index, ""),
-            "assurance": likeness.get(index, 0.0),
-        }
-        for index in range(found.frequencies.size)
-    ]
-    structure = found.scene.structure
-    assert structure is not None
     facts = {
         "mesh_level": study.mesh_level,
         "unknowns": int(found.track.mass.shape[0]),
         "assumption": "damping ratios are the diagonal of the modal damping matrix",
     }
+    entries = _entries(found.frequencies, found.damping, names, likeness)
     return {"modes": entries, "facts": facts}
+
+
+def _entries(
+    frequencies: Vector, damping: Vector, names: dict[int, str], likeness: dict[int, float]
+) -> list[dict[str, Any]]:
+    """The table of modes as plain JSON; modes that look like nothing known have no name."""
+    return [
+        {
+            "number": index + 1,
+            "frequency": float(frequencies[index]),
+            "damping": float(damping[index]),
+            "name": names.get(index, ""),
+            "assurance": likeness.get(index, 0.0),
+        }
+        for index in range(frequencies.size)
+    ]
 
 
 def identified(found: ViaductModes, study: Study) -> tuple[dict[int, str], dict[int, float]]:
@@ -114,7 +118,6 @@ def identified(found: ViaductModes, study: Study) -> tuple[dict[int, str], dict[
     structure, viaduct = found.scene.structure, study.viaduct
     assert structure is not None
     assert isinstance(viaduct, ViaductProperties)
-    assert isinstance(study.track, TrackProperties)
     points = deck_points(
         structure.node_coordinates,
         structure.slab_nodes,
@@ -147,14 +150,5 @@ def _beam_modes(bridge: BeamBridge) -> dict[str, Any]:
     mass = line.mass[free][:, free]
     frequencies, shapes = modes(stiffness, mass, count)
     damping = rayleigh_damping_ratios(shapes, mass, line.damping[free][:, free], stiffness)
-    entries = [
-        {
-            "number": index + 1,
-            "frequency": float(frequencies[index]),
-            "damping": float(damping[index]),
-            "name": "",
-            "assurance": 0.0,
-        }
-        for index in range(count)
-    ]
+    entries = _entries(frequencies, damping, {}, {})
     return {"modes": entries, "facts": {"unknowns": int(free.size)}}

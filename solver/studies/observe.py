@@ -31,7 +31,6 @@ __all__ = ["Recording", "record"]
 
 _RAIL_HEIGHT = 0.172
 _RAIL_HALF_WIDTH = 0.036
-_TRACK_HEIGHT = 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -238,10 +237,10 @@ def _slab_deck(viaduct: ViaductProperties, track: TrackProperties, scene: Scene)
         named=_named_points(coordinates, span, spans, track.rail_position),
     )
     vertices, layers = _compact(structure.surfaces)
-    rail_vertices, rail_faces, rail_rows = _rails(viaduct, track, scene)
+    height = viaduct.slab_top + track.ballast_depth + track.sleeper_height + _RAIL_HEIGHT
+    rail_vertices, rail_faces, rail_rows = _rails(track.rail_position, height, scene)
     faces = Layer(name="rails", faces=rail_faces + vertices.size)
     operator = structure.displacement_operator
-    height = viaduct.slab_top + track.ballast_depth + track.sleeper_height + _RAIL_HEIGHT
     return _Deck(
         slab=slab,
         slab_rows=sparse.csr_array(operator[3 * nodes + 2]),
@@ -286,17 +285,14 @@ def _compact(surfaces: dict[str, IntArray]) -> tuple[IntVector, tuple[Layer, ...
     )
 
 
-def _rails(
-    viaduct: ViaductProperties, track: TrackProperties, scene: Scene
-) -> tuple[Matrix, IntArray, SparseMatrix]:
+def _rails(lateral: float, height: float, scene: Scene) -> tuple[Matrix, IntArray, SparseMatrix]:
     """Top faces of both rails over the structure: vertices, faces, rows on the flattened lines."""
     structure, line = scene.structure, scene.system.line
     assert structure is not None
     first, last = scene.system.seat_nodes[0], scene.system.seat_nodes[-1]
     nodes = np.arange(first, last + 1)
-    height = viaduct.slab_top + track.ballast_depth + track.sleeper_height + _RAIL_HEIGHT
     vertices, faces, columns = [], [], []
-    for number, side in enumerate((track.rail_position, -track.rail_position)):
+    for number, side in enumerate((lateral, -lateral)):
         for edge in (-_RAIL_HALF_WIDTH, _RAIL_HALF_WIDTH):
             strip = np.zeros((nodes.size, 3))
             strip[:, 0], strip[:, 1], strip[:, 2] = line.positions[nodes], side + edge, height

@@ -359,10 +359,6 @@ class EffectiveSystem:
             load[seats] -= pad_forces.reshape(self.system.line.n_line, -1).T
         return load
 
-    def rail_displacements(self, chain: Matrix) -> Vector:
-        """Displacement of the rails under the wheels of the last step, shape (n_wheel,). [m]"""
-        return self._on_lines(chain)
-
     def locate_wheels(self, time: float) -> None:
         """Moves the contact points to where the wheels are at ``time``."""
         self._locate(self.system.wheel_positions(time))
