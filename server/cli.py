@@ -1,4 +1,4 @@
-"""The command line: serve, templates, run.
+"""The command line: serve, templates, run, verify.
 
 What a command needs is imported when it runs: ``--help`` and ``templates`` answer at once.
 """
@@ -109,6 +109,71 @@ def run(
             _errors.print(f"      {item.reason}. {item.remedy}", markup=False, highlight=False)
         raise typer.Exit(2) from None
     _compute(loaded, folder)
+
+
+@app.command()
+def verify(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Cases to run; all by default.")
+    ] = None,
+    fast: Annotated[bool, typer.Option("--fast", help="Only cases that take seconds.")] = False,
+    report: Annotated[
+        Path | None, typer.Option(help="Write an HTML page with tables and figures to this file.")
+    ] = None,
+) -> None:
+    """Compare the solver with closed forms and independent solutions."""
+    from server.verify import comparison_table, report_page
+    from solver.errors import InputError
+    from solver.verification import case, cases
+
+    try:
+        chosen = [case(name) for name in names] if names else list(cases())
+    except InputError as error:
+        _fail(f"{error.value}: {error.reason}. {error.remedy}")
+    if fast:
+        chosen = [item for item in chosen if item.weight == "fast"]
+        if not chosen:
+            _fail("None of these cases is a fast one. Run them without --fast.")
+    if report is not None and not report.absolute().parent.is_dir():
+        _fail(f"{report} cannot be written: its folder does not exist.")
+    results = _verified(chosen)
+    found = [row for _, result in results for row in result.comparisons]
+    # Into a file or a pipe nobody measures the window: lines long enough to read.
+    Console(width=None if sys.stdout.isatty() else 200).print(comparison_table(found))
+    failed = [item.name for item, result in results if not result.passed]
+    if report is not None:
+        from server.routes.meta import package_version
+
+        _write(report, report_page(results, package_version()))
+    if failed:
+        _fail(f"{len(failed)} of {len(results)} cases failed: {', '.join(failed)}.")
+    typer.echo(f"All {len(results)} cases passed, {len(found)} comparisons.")
+
+
+def _verified(chosen: list[Any]) -> list[tuple[Any, Any]]:
+    """Runs the cases, with a bar for each."""
+    from server.verify import run_case
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    results: list[tuple[Any, Any]] = []
+    with Progress(*columns, console=_errors) as bar:
+        for item in chosen:
+            task = bar.add_task(item.name, total=1.0)
+
+            def report(fraction: float, task: Any = task) -> None:
+                bar.update(task, completed=fraction)
+
+            results.append((item, run_case(item, report)))
+            bar.update(task, completed=1.0)
+    return results
+
+
+def _write(file: Path, text: str) -> None:
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        _fail(f"{file} cannot be written: {error.strerror}.")
+    typer.echo(f"Report: {file}")
 
 
 def _compute(study: Any, folder: Path) -> None:

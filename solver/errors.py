@@ -65,7 +65,7 @@ class ConvergenceError(SolverError):
         self.wheel = wheel
         self.residual = residual
         super().__init__(
-            f"the contact search did not settle at t = {time:.6g} s (wheel {wheel}, residual "
+            f"the contact search did not settle at t = {time:.6g} s ({wheel}, residual "
             f"{residual:.3g}). Try a shorter time step or a smoother irregularity."
         )
 

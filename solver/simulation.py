@@ -110,9 +110,8 @@ class Simulation:
         self.system = replace(system, train=system.train.from_rest(self.static.train))
         self.effective = EffectiveSystem(self.system, effective_coefficients(method))
         self.integrator = HHTIntegrator(method, self.effective, _motions(self.static))
-        state = self.effective.state
-        state.contact_forces = self.static.contact_forces
-        state.pad_forces = self.static.pad_forces
+        static = self.static
+        self.effective.stand(static.contact_forces, static.pad_forces, static.compression)
         self._dead_load = np.zeros(observation.bearings.shape[0])
         if self.static.dead_load is not None:
             self._dead_load = observation.bearings @ self.static.dead_load
@@ -123,6 +122,16 @@ class Simulation:
     def status_changes(self) -> int:
         """Contacts lost or found so far."""
         return self.effective.state.status_changes
+
+    @property
+    def contact_facts(self) -> dict[str, object]:
+        """How hard the contact was to find, for the run's summary."""
+        state = self.effective.state
+        return {
+            "contacts_lost_or_found": state.status_changes,
+            "contact_solves_per_step": state.small_solves / max(1, self._step),
+            "contact_restarts": state.restarts,
+        }
 
     def __iter__(self) -> Iterator[Sample]:
         return self.samples()
@@ -140,6 +149,7 @@ class Simulation:
         yield self._sample(self._step)
         while self._step < self.plan.n_step:
             self.integrator.advance((self._step + 1) * self.plan.time_step)
+            self.effective.settle(self.integrator.motions)
             self._step += 1
             yield self._sample(self._step)
 

@@ -116,7 +116,7 @@ def run_study(
         writer.abort()
         raise
     extremes = simulation.extremes
-    facts = plan.facts | {"contacts_lost_or_found": simulation.status_changes}
+    facts = plan.facts | simulation.contact_facts
     del simulation  # its factor would stay beside the histories while they are judged
     computed = time.monotonic()
     meter.stage("storing the histories")

@@ -12,8 +12,8 @@ from solver.arrays import FloatArray, IntArray, SparseMatrix
 
 __all__ = ["ElementMatrices", "scatter"]
 
-_PIECE = 4000
-"""Elements scattered at a time."""
+_PIECE = 2_300_000
+"""Matrix entries scattered at a time: 4,000 eight-node solids."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,11 +50,12 @@ def scatter(blocks: Sequence[ElementMatrices], count: int) -> SparseMatrix:
     for block in blocks:
         size = block.freedoms.shape[1]
         # In pieces: the triplets of all elements at once would take ten times the matrix's memory.
-        for start in range(0, len(block.freedoms), _PIECE):
-            freedoms = block.freedoms[start : start + _PIECE].astype(np.int32)
+        piece_length = max(1, _PIECE // size**2)
+        for start in range(0, len(block.freedoms), piece_length):
+            freedoms = block.freedoms[start : start + piece_length].astype(np.int32)
             rows = np.repeat(freedoms, size, axis=1).ravel()
             columns = np.tile(freedoms, (1, size)).ravel()
-            values = block.matrices[start : start + _PIECE].ravel()
+            values = block.matrices[start : start + piece_length].ravel()
             piece = coo_array((values, (rows, columns)), shape=(count, count))
             total = total + piece.tocsr()
     total.eliminate_zeros()

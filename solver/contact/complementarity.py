@@ -14,12 +14,12 @@ making progress, Murty's rule (only the last wrong pair) is certain to end.
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import lapack
 
 from solver.arrays import BoolVector, Matrix, Vector
-from solver.errors import ConvergenceError, SingularSystemError
+from solver.errors import ConvergenceError
+from solver.factorisation.positive import positive_solve
 
-__all__ = ["solve_contact"]
+__all__ = ["contact_forces", "solve_contact"]
 
 _BLOCK_TRIES = 10
 """Blocks flipped without progress before Murty's rule takes over."""
@@ -54,16 +54,16 @@ def solve_contact(
     """
     if not unilateral:
         everywhere = np.ones_like(closed)
-        return _forces(compliance, approach, everywhere), everywhere, 1
+        return contact_forces(compliance, approach, everywhere), everywhere, 1
     closed = closed.copy()
     fewest_wrong, tries, solves = approach.size + 1, _BLOCK_TRIES, 0
     while True:
-        forces = _forces(compliance, approach, closed)
+        forces = contact_forces(compliance, approach, closed)
         solves += 1
         wrong = _wrong(compliance, approach, forces, closed)
         if solves >= _MOST_SOLVES:
             wheel = int(np.argmax(wrong))
-            raise ConvergenceError(time, str(wheel + 1), float(forces[wheel]))
+            raise ConvergenceError(time, f"wheel {wheel + 1}", float(forces[wheel]))
         n_wrong = int(np.count_nonzero(wrong))
         if n_wrong == 0:
             return forces, closed, solves
@@ -87,19 +87,17 @@ def _wrong(compliance: Matrix, approach: Vector, forces: Vector, closed: BoolVec
     return wrong
 
 
-def _forces(compliance: Matrix, approach: Vector, closed: BoolVector) -> Vector:
-    """Forces with the given wheels touching."""
+def contact_forces(compliance: Matrix, approach: Vector, closed: BoolVector) -> Vector:
+    """Forces with the given wheels touching.
+
+    Raises:
+        SingularSystemError: The compliance is not positive definite: rigid wheels share a load
+            in a way that nothing decides.
+    """
     forces = np.zeros_like(approach)
-    if closed.all():
-        _, solution, info = lapack.dposv(compliance, approach)
-        forces = solution
-    else:
-        index = np.flatnonzero(closed)
-        if index.size == 0:
-            return forces
-        _, solution, info = lapack.dposv(compliance[np.ix_(index, index)], approach[index])
-        forces[index] = solution
-    # LAPACK passes on what is not a number without complaint.
-    if info != 0 or not np.isfinite(forces).all():
-        raise SingularSystemError("the contact", "its compliance is not positive definite")
+    index = np.flatnonzero(closed)
+    inner = compliance if closed.all() else compliance[np.ix_(index, index)]
+    forces[index] = positive_solve(
+        inner, approach[index], "the contact (rigid wheels under one rigid body need a spring)"
+    )
     return forces

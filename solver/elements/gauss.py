@@ -1,4 +1,7 @@
-"""Gauss points of the square and the cube, two in each direction, with unit weights."""
+"""Gauss points of the square and the cube.
+
+Two points in each direction have unit weights; three have 5/9, 8/9, 5/9.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +10,16 @@ from math import sqrt
 
 import numpy as np
 
-from solver.arrays import Matrix
+from solver.arrays import Matrix, Vector
 
-__all__ = ["CUBE_CORNERS", "CUBE_POINTS", "SQUARE_CORNERS", "SQUARE_POINTS"]
+__all__ = [
+    "CUBE_CORNERS",
+    "CUBE_POINTS",
+    "CUBE_POINTS_27",
+    "CUBE_WEIGHTS_27",
+    "SQUARE_CORNERS",
+    "SQUARE_POINTS",
+]
 
 _ABSCISSA = 1.0 / sqrt(3.0)
 
@@ -23,3 +33,9 @@ CUBE_CORNERS: Matrix = np.vstack(
 """Natural coordinates of the eight nodes: the lower face counter-clockwise, then the upper."""
 CUBE_POINTS: Matrix = np.array(list(itertools.product((-_ABSCISSA, _ABSCISSA), repeat=3)))
 """The 2 x 2 x 2 points, exact to the third degree in each direction."""
+_ABSCISSAE_3 = (-sqrt(0.6), 0.0, sqrt(0.6))
+_WEIGHTS_3 = (5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0)
+CUBE_POINTS_27: Matrix = np.array(list(itertools.product(_ABSCISSAE_3, repeat=3)))
+"""The 3 x 3 x 3 points, exact to the fifth degree in each direction."""
+CUBE_WEIGHTS_27: Vector = np.prod(np.array(list(itertools.product(_WEIGHTS_3, repeat=3))), axis=1)
+"""Their weights, shape (27,)."""

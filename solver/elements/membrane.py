@@ -1,7 +1,8 @@
 """Four-node membrane with incompatible modes, in its own plane.
 
 The plane-stress twin of the solid: four internal modes (1 - xi^2, 1 - eta^2 for each displacement)
-give exact bending in the plane, so that a web one element high carries a girder's moment.
+give exact bending in the plane, so that a web one element high carries a girder's moment. That
+holds for rectangles; slender trapezoids at 45 degrees keep 5 percent of the flexibility.
 
 References:
     Taylor, Beresford and Wilson (1976).

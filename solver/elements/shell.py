@@ -4,6 +4,11 @@ Six freedoms a node, in global axes. The rotation about the normal (drilling) ha
 a physical stiffness: a weak penalty ties it to the membrane's mean rotation. It is a function of
 its own because it must not be damped.
 
+The mid-surface may lie off the nodes, by ``offset`` along each element's normal (towards the side
+from which its nodes run counter-clockwise). The arms are rigid and exact: displacement of the
+mid-surface = displacement of the node + rotation x arm. Elements that meet at an angle keep their
+own arms.
+
 References:
     Hughes and Brezzi (1989), On drilling degrees of freedom, Computer Methods in Applied Mechanics
     and Engineering 72.
@@ -32,6 +37,7 @@ def stiffness(
     thickness: FloatArray,
     young_modulus: FloatArray,
     poisson_ratio: float,
+    offset: FloatArray | float = 0.0,
 ) -> FloatArray:
     """Stiffness of membrane, bending and transverse shear, without drilling.
 
@@ -40,6 +46,8 @@ def stiffness(
         thickness: Shape (n_element,). [m]
         young_modulus: Shape (n_element,). [Pa]
         poisson_ratio: Poisson's ratio. [1]
+        offset: From the nodes to the mid-surface along the normal, one number or shape
+            (n_element,). [m]
 
     Returns:
         Shape (n_element, 24, 24), freedoms (u, v, w, and the three rotations) node by node.
@@ -55,7 +63,7 @@ def stiffness(
     result[:, _PLATE[:, None], _PLATE] = plate.stiffness(
         local, thickness, young_modulus, poisson_ratio
     )
-    return _to_global(result, rotation)
+    return _to_global(result, rotation, offset)
 
 
 def drilling_stiffness(
@@ -63,6 +71,7 @@ def drilling_stiffness(
     thickness: FloatArray,
     young_modulus: FloatArray,
     poisson_ratio: float,
+    offset: FloatArray | float = 0.0,
 ) -> FloatArray:
     """Penalty on the drilling rotation's difference from the membrane's mean rotation.
 
@@ -71,6 +80,8 @@ def drilling_stiffness(
         thickness: Shape (n_element,). [m]
         young_modulus: Shape (n_element,). [Pa]
         poisson_ratio: Poisson's ratio. [1]
+        offset: From the nodes to the mid-surface along the normal, one number or shape
+            (n_element,). [m]
 
     Returns:
         Shape (n_element, 24, 24).
@@ -86,16 +97,23 @@ def drilling_stiffness(
         row[:, :, 5] = shape_functions(point)
         flat = row.reshape(-1, 24)
         result += (penalty * area)[:, None, None] * flat[:, :, None] * flat[:, None, :]
-    return _to_global(result, rotation)
+    return _to_global(result, rotation, offset)
 
 
-def mass(coordinates: FloatArray, thickness: FloatArray, density: float) -> FloatArray:
+def mass(
+    coordinates: FloatArray,
+    thickness: FloatArray,
+    density: float,
+    offset: FloatArray | float = 0.0,
+) -> FloatArray:
     """Consistent mass with rotary inertia of the two bending rotations; none in drilling.
 
     Args:
         coordinates: Nodes, shape (n_element, 4, 3). [m]
         thickness: Shape (n_element,). [m]
         density: Density. [kg/m3]
+        offset: From the nodes to the mid-surface along the normal, one number or shape
+            (n_element,). [m]
 
     Returns:
         Shape (n_element, 24, 24).
@@ -111,13 +129,20 @@ def mass(coordinates: FloatArray, thickness: FloatArray, density: float) -> Floa
         result[:, :, axis, :, axis] = thickness[:, None, None] * scalar
     for axis in (3, 4):
         result[:, :, axis, :, axis] = (thickness**3 / 12.0)[:, None, None] * scalar
-    return _to_global(result.reshape(-1, 24, 24), rotation)
+    return _to_global(result.reshape(-1, 24, 24), rotation, offset)
 
 
-def _to_global(matrices: FloatArray, rotation: FloatArray) -> FloatArray:
-    """Turns element matrices from local to global axes, triad by triad."""
+def _to_global(
+    matrices: FloatArray, rotation: FloatArray, offset: FloatArray | float
+) -> FloatArray:
+    """Takes element matrices from local axes at the mid-surface to global axes at the nodes."""
     transform = np.zeros((len(matrices), 8, 3, 8, 3))
     for triad in range(8):
         transform[:, triad, :, triad, :] = rotation
+    arm = np.broadcast_to(np.asarray(offset, dtype=np.float64), (len(matrices),))[:, None]
+    for node in range(4):
+        # rotation x (0, 0, arm) = (arm rotation_y, -arm rotation_x, 0), in local axes.
+        transform[:, 2 * node, 0, 2 * node + 1] = arm * rotation[:, 1]
+        transform[:, 2 * node, 1, 2 * node + 1] = -arm * rotation[:, 0]
     transform = transform.reshape(-1, 24, 24)
     return transform.transpose(0, 2, 1) @ matrices @ transform

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import ctypes
 import weakref
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -31,8 +32,12 @@ _POSITIVE_DEFINITE = 2
 _OUT_OF_MEMORY, _ZERO_PIVOT, _SINGULAR_DIAGONAL, _INTEGER_OVERFLOW = -2, -4, -7, -8
 
 
+@cache
 def _library() -> Any:
-    """A handle of our own: pypardiso's declares argument types that exclude plain addresses."""
+    """A handle of our own: pypardiso's declares argument types that exclude plain addresses.
+
+    Found once: the search for the library takes longer than many a factorisation.
+    """
     library = ctypes.CDLL(PyPardisoSolver(mtype=_POSITIVE_DEFINITE).libmkl._name)
     library.pardiso.restype = None
     return library

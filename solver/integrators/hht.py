@@ -25,6 +25,7 @@ import numpy as np
 
 from solver.arrays import FloatArray
 from solver.errors import InputError
+from solver.integrators.stability import require_unconditional_stability
 
 __all__ = ["HHT", "CoupledSystem", "HHTIntegrator", "Motion"]
 
@@ -36,9 +37,12 @@ class HHT:
     Attributes:
         alpha: In [-1/3, 0]; 0 is Newmark's method without dissipation. [1]
         time_step: [s]
+        newmark_beta: beta by hand; None takes (1 - alpha)^2 / 4. [1]
+        newmark_gamma: gamma by hand; None takes 1/2 - alpha. [1]
 
     Raises:
-        InputError: alpha outside its range, time step not positive.
+        InputError: alpha outside its range, time step not positive, or a beta and gamma by hand
+            that are not unconditionally stable.
 
     References:
         Neves (2016), equations 2.11 and 4.1 to 4.2, with beta and gamma as corrected in
@@ -48,6 +52,8 @@ class HHT:
 
     alpha: float
     time_step: float
+    newmark_beta: float | None = None
+    newmark_gamma: float | None = None
 
     def __post_init__(self) -> None:
         if not -1.0 / 3.0 <= self.alpha <= 0.0:
@@ -55,20 +61,26 @@ class HHT:
                 "integration.alpha", self.alpha, "is outside [-1/3, 0]: not unconditionally stable",
                 "Use -0.05, or 0 for no numerical dissipation.",
             )  # fmt: skip
-        if not self.time_step > 0.0:
+        if not 0.0 < self.time_step < np.inf:
             raise InputError(
                 "integration.time_step", self.time_step, "is not positive",
                 "Use 2.5e-4 s for wheels on sleepers.",
             )  # fmt: skip
+        if self.newmark_beta is not None or self.newmark_gamma is not None:
+            require_unconditional_stability(self.alpha, self.beta, self.gamma)
 
     @property
     def beta(self) -> float:
         """Newmark's beta."""
+        if self.newmark_beta is not None:
+            return self.newmark_beta
         return (1.0 - self.alpha) ** 2 / 4.0
 
     @property
     def gamma(self) -> float:
         """Newmark's gamma."""
+        if self.newmark_gamma is not None:
+            return self.newmark_gamma
         return 0.5 - self.alpha
 
     @property

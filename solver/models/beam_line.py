@@ -17,9 +17,11 @@ import numpy as np
 import scipy.sparse as sparse
 
 from solver.arrays import BoolVector, FloatArray, IntVector, SparseMatrix, Vector
+from solver.contact.path import hermite
+from solver.elements.beam import bending_mass, bending_stiffness
 from solver.errors import InputError
 
-__all__ = ["BeamLine", "Sleepers", "hermite_rows"]
+__all__ = ["BeamLine", "Sleepers"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,8 +109,9 @@ class BeamLine:
         connected = lengths > 0.0
         n_dof = 2 * positions.size + (0 if sleepers is None else sleepers.nodes.size)
         elements = np.flatnonzero(connected)
-        stiffness = _scatter(_bending_stiffness(lengths, rigidity)[elements], elements, n_dof)
-        mass = _scatter(_consistent_mass(lengths, mass_per_length)[elements], elements, n_dof)
+        real = lengths[elements]
+        stiffness = _scatter(bending_stiffness(real, rigidity[elements]), elements, n_dof)
+        mass = _scatter(bending_mass(real, mass_per_length[elements]), elements, n_dof)
         damping = mass_proportional * mass + stiffness_proportional * stiffness
         if sleepers is not None:
             mass = mass + _sleeper_mass(sleepers, positions.size, n_dof)
@@ -160,54 +163,7 @@ class BeamLine:
         # At the very end of the line, and at a joint's first node, step back to a real element.
         left = np.where(self.connected[left], left, left - 1)
         length = self.positions[left + 1] - self.positions[left]
-        return left, hermite_rows((x - self.positions[left]) / length, length)
-
-
-def hermite_rows(local: Vector, length: Vector) -> FloatArray:
-    """Cubic Hermite shape functions (equations.md, section 4: target rows).
-
-    Args:
-        local: Local abscissa s in [0, 1], shape (n,). [1]
-        length: Element lengths, shape (n,). [m]
-
-    Returns:
-        Shape (n, 4), on (w1, w1', w2, w2').
-    """
-    s2, s3 = local**2, local**3
-    return np.stack(
-        [
-            1.0 - 3.0 * s2 + 2.0 * s3,
-            length * (local - 2.0 * s2 + s3),
-            3.0 * s2 - 2.0 * s3,
-            length * (s3 - s2),
-        ],
-        axis=-1,
-    )
-
-
-def _bending_stiffness(length: Vector, rigidity: Vector) -> FloatArray:
-    """Euler-Bernoulli bending stiffness, shape (n, 4, 4) (Chopra 2007, chapter 17)."""
-    safe = np.where(length > 0.0, length, 1.0)
-    one = np.ones_like(safe)
-    rows = [
-        [12 * one, 6 * safe, -12 * one, 6 * safe],
-        [6 * safe, 4 * safe**2, -6 * safe, 2 * safe**2],
-        [-12 * one, -6 * safe, 12 * one, -6 * safe],
-        [6 * safe, 2 * safe**2, -6 * safe, 4 * safe**2],
-    ]
-    return np.moveaxis(np.array(rows), 2, 0) * (rigidity / safe**3)[:, None, None]
-
-
-def _consistent_mass(length: Vector, mass_per_length: Vector) -> FloatArray:
-    """Consistent mass of the same element, shape (n, 4, 4) (Chopra 2007, chapter 17)."""
-    one = np.ones_like(length)
-    rows = [
-        [156 * one, 22 * length, 54 * one, -13 * length],
-        [22 * length, 4 * length**2, 13 * length, -3 * length**2],
-        [54 * one, 13 * length, 156 * one, -22 * length],
-        [-13 * length, -3 * length**2, -22 * length, 4 * length**2],
-    ]
-    return np.moveaxis(np.array(rows), 2, 0) * (mass_per_length * length / 420.0)[:, None, None]
+        return left, hermite((x - self.positions[left]) / length, length)
 
 
 def _scatter(blocks: FloatArray, elements: IntVector, n_dof: int) -> SparseMatrix:

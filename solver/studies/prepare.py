@@ -16,7 +16,7 @@ from solver.studies.crossing import crossing
 from solver.studies.member_modes import member_frequencies
 from solver.studies.observe import Recording, record
 from solver.studies.scene import Scene, StageListener, build_scene
-from solver.studies.study import Study
+from solver.studies.study import Contact, Study
 
 __all__ = ["prepare", "runs_of"]
 
@@ -84,6 +84,7 @@ def _facts(
         "unknowns_train": int(scene.train.n_dof),
         "wheels": len(scene.train.wheel_names),
         "static_wheel_load": _static_load(scene),
+        "contact_law": _contact_law(study.contact),
         "back_end": back_end_name(),
         "live_channels": list(recording.live),
     }
@@ -97,6 +98,16 @@ def _facts(
     facts["approach_bed_stiffness"] = scene.bed_stiffness
     facts["member_frequencies"] = member_frequencies(structure, recording.slab.judged_spans)
     return facts
+
+
+def _contact_law(contact: Contact) -> str:
+    """The contact law and its constant, in words."""
+    pulling = "" if contact.unilateral else ", also in tension"
+    if contact.law == "rigid":
+        return f"rigid{pulling}"
+    if contact.law == "linear_hertz":
+        return f"linear Hertz, k_h = {1e-6 * contact.stiffness:.4g} MN/m{pulling}"
+    return f"nonlinear Hertz, K_h = {1e-6 * contact.hertz_constant:.4g} MN/m^1.5{pulling}"
 
 
 def _static_load(scene: Scene) -> float:

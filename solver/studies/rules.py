@@ -137,23 +137,6 @@ def _cut_off(study: Study) -> Iterator[Finding]:
     )
 
 
-def _rigid_wheels(study: Study) -> Iterator[Finding]:
-    """Rigid contact of a wheel that has mass is a constraint on accelerations.
-
-    Newmark's method then answers every kink with a force that alternates for ever, and false
-    tension opens the contact (modelling decision "Contact"); the impulse that would put it right
-    is not part of this version.
-    """
-    rigid = study.contact.law == "rigid" and isinstance(study.train, ArticulatedTrain)
-    if rigid and (study.contact.unilateral or study.integration.alpha == 0.0):
-        yield Finding(
-            path=("contact", "law"),
-            value=study.contact.law,
-            reason="makes the contact forces of wheels that have mass alternate from step to step",
-            remedy='Use "linear_hertz"; or let the contact pull (unilateral: false) and alpha < 0.',
-        )
-
-
 def _approach(study: Study) -> Iterator[Finding]:
     """An approach length given by hand must hold the train."""
     given = study.approach.length
@@ -205,7 +188,7 @@ def _defect(study: Study) -> Iterator[Finding]:
         )
 
 
-_RULES: tuple[Rule, ...] = (_slow, _time_step, _cut_off, _rigid_wheels, _approach, _defect)
+_RULES: tuple[Rule, ...] = (_slow, _time_step, _cut_off, _approach, _defect)
 
 
 def warnings(study: Study) -> list[Finding]:

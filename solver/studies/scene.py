@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import IntVector, Vector
+from solver.arrays import IntVector
+from solver.contact.laws import NonlinearHertz
 from solver.errors import InputError
 from solver.irregularities import rail_irregularities
 from solver.models.ballasted_track import TrackProperties
@@ -16,12 +17,12 @@ from solver.models.beam_line import BeamLine
 from solver.models.rails import ELEMENTS_PER_BAY, rail_line
 from solver.models.structure import build_structure
 from solver.models.structure_model import StructureModel
-from solver.models.train import TrainModel, build_train
+from solver.models.train import GRAVITY, TrainModel, build_train
 from solver.models.viaduct import ViaductProperties
 from solver.studies.crossing import Crossing
 from solver.studies.study import Study
 from solver.system import System
-from solver.system.coupled import Irregularity, TrainMatrices
+from solver.system.system import RailProfiles, TrainMatrices
 from solver.system.track_compliance import matched_approach, structure_matrices
 
 __all__ = ["Scene", "build_scene"]
@@ -77,12 +78,13 @@ def build_scene(study: Study, extent: Crossing, speed: float, report: StageListe
             structure=None if structure is None else structure_matrices(structure),
             train=_train_matrices(train),
             contact_compliance=(
-                0.0 if study.contact.law == "rigid" else 1.0 / study.contact.stiffness
+                1.0 / study.contact.stiffness if study.contact.law == "linear_hertz" else 0.0
             ),
             unilateral=study.contact.unilateral,
-            irregularity=_elevation(study),
+            irregularity=RailProfiles(profiles=rail_irregularities(study.irregularity)),
             start_position=extent.start,
             speed=speed,
+            nonlinear_hertz=_nonlinear_hertz(study, train),
         ),
         train=train,
         structure=structure,
@@ -129,11 +131,11 @@ def _train_matrices(train: TrainModel) -> TrainMatrices:
     )
 
 
-def _elevation(study: Study) -> Irregularity:
-    """Elevation of the rail under each wheel."""
-    profiles = rail_irregularities(study.irregularity)
-
-    def elevation(lines: IntVector, x: Vector) -> Vector:
-        return np.where(lines == 0, profiles[0].elevation(x), profiles[1].elevation(x))
-
-    return elevation
+def _nonlinear_hertz(study: Study, train: TrainModel) -> NonlinearHertz | None:
+    """The nonlinear contact law, about the mean static load of a wheel."""
+    if study.contact.law != "nonlinear_hertz":
+        return None
+    return NonlinearHertz(
+        coefficient=study.contact.hertz_constant,
+        reference_force=float(train.total_mass * GRAVITY / train.n_wheel),
+    )

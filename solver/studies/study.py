@@ -14,7 +14,7 @@ from solver.models.mesh_level import MeshLevel
 from solver.models.rails import ApproachTrack
 from solver.models.train import TrainProperties
 from solver.models.viaduct import ViaductProperties
-from solver.units import Units
+from solver.units import Unit, Units
 
 __all__ = [
     "Contact",
@@ -29,6 +29,9 @@ __all__ = [
 ]
 
 _STRICT: dict[str, Any] = {"extra": "forbid", "use_attribute_docstrings": True}
+
+_HERTZ_CONSTANT = Unit("N/m^1.5", "MN/m^1.5", 1e-6)
+"""Unit of K_h in F = K_h d^1.5."""
 
 Speed = Annotated[float, Units.speed, Gt(0.0), Le(200.0)]
 """Speed of the train. [m/s]"""
@@ -56,12 +59,17 @@ class Contact:
 
     __pydantic_config__: ClassVar[dict[str, Any]] = _STRICT
 
-    law: Literal["linear_hertz", "rigid"] = "linear_hertz"
-    """Force against compression: a linear spring, or none at all between wheel and rail."""
+    law: Literal["linear_hertz", "nonlinear_hertz", "rigid"] = "linear_hertz"
+    """Force against compression d: a linear spring k_h d, Hertz's law K_h d^1.5, or rigid."""
     stiffness: Annotated[float, Units.stiffness, Ge(1e6), Le(1e12)] = 1.212e9
-    """Stiffness of the linear Hertz spring of one wheel; Hertz's law at 83.385 kN."""
+    """Stiffness k_h of the linear Hertz spring of one wheel; Hertz's law at 83.385 kN.
+    Only the linear law reads it."""
+    hertz_constant: Annotated[float, _HERTZ_CONSTANT, Ge(1e6), Le(1e14)] = 7.958e10
+    """Constant K_h of Hertz's law for one wheel: S1002 on 60E1, 7.958e7 kN/m^1.5 (Neves 2016,
+    section 3.4). Only the nonlinear law reads it."""
     unilateral: bool = True
-    """Whether a wheel may leave the rail; otherwise the contact also pulls."""
+    """Whether a wheel may leave the rail; otherwise the contact also pulls (Hertz's law then
+    continues as an odd function)."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,105 +16,22 @@ the contact rows of appendix A, a matrix of the number of wheels:
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
 from solver.arrays import BoolVector, FloatArray, IntVector, Matrix, Vector
-from solver.contact.complementarity import solve_contact
+from solver.contact.complementarity import contact_forces, solve_contact
+from solver.contact.nonlinear import solve_hertz
 from solver.errors import UnstableError
-from solver.models.beam_line import BeamLine
-from solver.system.parts import (
-    Coefficients,
-    LinePart,
-    StructureMatrices,
-    StructurePart,
-    TrainPart,
-)
+from solver.system.parts import Coefficients, LinePart, StructurePart
+from solver.system.rigid_restart import MovingPart, RigidRestart
+from solver.system.system import System, TrainMatrices
+from solver.system.train_part import TrainPart
 
 __all__ = ["CoupledState", "EffectiveSystem", "System", "TrainMatrices"]
-
-
-class PartMotion(Protocol):
-    """What a part's history needs of its motion."""
-
-    acceleration: FloatArray
-    imbalance: FloatArray
-
-
-Irregularity = Callable[[IntVector, Vector], Vector]
-"""Elevation r of the rail under wheels at x: (lines, x) to r. [m]"""
-
-
-@dataclass(frozen=True, kw_only=True)
-class TrainMatrices:
-    """The train as the system sees it.
-
-    Attributes:
-        mass: Shape (n_dof, n_dof).
-        damping: Likewise.
-        stiffness: Likewise.
-        weight: Gravity load, shape (n_dof,). [N]
-        wheel_rows: Upward displacement of each contact point, shape (n_wheel, n_dof).
-        wheel_offsets: x of each wheel less x of the first axle. [m]
-        wheel_lines: Line that each wheel rolls on.
-        wheel_rest: Displacement of the contact points where the freedoms are zero, (n_wheel,). [m]
-    """
-
-    mass: Matrix
-    damping: Matrix
-    stiffness: Matrix
-    weight: Vector
-    wheel_rows: Matrix
-    wheel_offsets: Vector
-    wheel_lines: IntVector
-    wheel_rest: Vector
-
-    def from_rest(self, displacement: Vector) -> TrainMatrices:
-        """The same train, its freedoms counted from another state.
-
-        Suspensions deflect by decimetres at rest and move by millimetres in a run: counted from
-        rest, accelerations keep two digits more of the displacements that they are made of.
-        """
-        return replace(
-            self,
-            weight=self.weight - self.stiffness @ displacement,
-            wheel_rest=self.wheel_rest + self.wheel_rows @ displacement,
-        )
-
-
-@dataclass(frozen=True, kw_only=True)
-class System:
-    """Parts, and what joins them.
-
-    Attributes:
-        line: Rails with approach tracks, or a beam.
-        seat_nodes: Node of the line above each seat of the structure, shape (n_seat,).
-        structure: The three-dimensional structure, or None.
-        train: The train.
-        contact_compliance: 1 / k_h, 0 for rigid contact. [m/N]
-        unilateral: Whether contact may open.
-        irregularity: Elevation of the rails.
-        start_position: x of the first axle at t = 0. [m]
-        speed: [m/s]
-    """
-
-    line: BeamLine
-    seat_nodes: IntVector
-    structure: StructureMatrices | None
-    train: TrainMatrices
-    contact_compliance: float
-    unilateral: bool
-    irregularity: Irregularity
-    start_position: float
-    speed: float
-
-    def wheel_positions(self, time: float) -> Vector:
-        """x of every wheel, shape (n_wheel,). [m]"""
-        return self.start_position + self.speed * time + self.train.wheel_offsets
 
 
 @dataclass
@@ -125,15 +42,23 @@ class CoupledState:
         contact_forces: Shape (n_wheel,). [N]
         closed: Which wheels touch.
         pad_forces: Tension in the pads, line after line. [N]
+        compression: Of the nonlinear Hertz springs, negative where open, shape (n_wheel,). [m]
         status_changes: Contacts lost or found since the start.
-        small_solves: Solves of the contact problem since the start.
+        small_solves: Solves of the contact problem, Newton iterations included, since the start.
+        restarts: Restarts of rigid contact after an event.
+        impact_loss: Energy lost in them. [J]
+        impact_drive: Work of the drive in them. [J]
     """
 
     contact_forces: Vector
     closed: BoolVector
     pad_forces: Vector
+    compression: Vector
     status_changes: int = 0
     small_solves: int = 0
+    restarts: int = 0
+    impact_loss: float = 0.0
+    impact_drive: float = 0.0
 
 
 @dataclass
@@ -174,12 +99,30 @@ class EffectiveSystem:
         self._near, self._coupling = np.zeros(0, dtype=np.int64), np.zeros((0, 0))
         self._pad_history = np.zeros(self.n_pad)
         self._seats_viscous = np.zeros(self.n_pad)
+        self._viscous: dict[int, FloatArray] = {}
         self._eliminate_pads()
         self.state = CoupledState(
             contact_forces=np.zeros(self._wheels.size),
             closed=np.ones(self._wheels.size, dtype=bool),
             pad_forces=np.zeros(self.n_pad),
+            compression=np.zeros(self._wheels.size),
         )
+        self._restart = self._rigid_restart()
+        self._event, self._time = False, 0.0
+
+    def _rigid_restart(self) -> RigidRestart | None:
+        """What restarts rigid wheels that have mass, or None where there are none."""
+        if self.train is None or not self.system.is_rigid or not self.train.wheels_with_mass.any():
+            return None
+        return RigidRestart(self.system, self.coefficients, self.lines, self.train)
+
+    def stand(self, contact_forces: Vector, pad_forces: Vector, compression: Vector) -> None:
+        """Takes the forces of the static start."""
+        self.state.contact_forces = contact_forces
+        self.state.pad_forces = pad_forces
+        self.state.compression = compression
+        if self._restart is not None:
+            self._restart.reference_load = float(np.abs(contact_forces).mean())
 
     @property
     def n_pad(self) -> int:
@@ -209,12 +152,13 @@ class EffectiveSystem:
     # -- the integrator's three questions ---------------------------------------------------
 
     def begin(
-        self, part: int, motion: PartMotion, inertia: FloatArray, viscous: FloatArray
+        self, part: int, motion: MovingPart, inertia: FloatArray, viscous: FloatArray
     ) -> None:
         """Takes a part's histories (0 the lines, 1 the train, 2 the structure)."""
         owner = (self.lines, self.train, self.structure)[part]
         assert owner is not None
         motion.imbalance = owner.begin(inertia, viscous, motion.acceleration, motion.imbalance)
+        self._viscous[part] = viscous
         if self.n_pad and part == 0:
             self._seats_viscous = viscous[2 * self.system.seat_nodes].T.ravel()
         if part == 2 and self.structure is not None:
@@ -231,6 +175,7 @@ class EffectiveSystem:
         """
         system, state = self.system, self.state
         x = system.wheel_positions(time)
+        self._time = time
         self._locate(x)
         assert self.train is not None
         approach = (
@@ -242,13 +187,80 @@ class EffectiveSystem:
         if not np.isfinite(approach).all():
             raise UnstableError(time, "the motion of the wheels")
         compliance, gap_load = self.contact_problem(self.train.wheel_compliance)
-        forces, closed, solves = solve_contact(
-            compliance, approach - gap_load, state.closed, system.unilateral, time
+        before = state.closed
+        self._solve_contact(compliance, approach - gap_load, time)
+        self._event = False
+        if self._restart is not None:
+            self._restart.move(x, self._contact.nodes, self._contact.rows)
+            self._hold(compliance, approach - gap_load, before, time)
+        state.status_changes += int(np.count_nonzero(state.closed != before))
+        state.pad_forces = self.pad_forces_for(state.contact_forces)
+
+    def _solve_contact(self, compliance: Matrix, approach: Vector, time: float) -> None:
+        """Contact forces and statuses at the end of the step, by the system's law."""
+        system, state = self.system, self.state
+        law = system.nonlinear_hertz
+        if law is None:
+            state.contact_forces, state.closed, solves = solve_contact(
+                compliance, approach, state.closed, system.unilateral, time
+            )
+            state.small_solves += solves
+            return
+        found = solve_hertz(compliance, approach, law, state.compression, system.unilateral, time)
+        state.contact_forces, state.closed = found.forces, found.closed
+        state.compression = found.compression
+        state.small_solves += found.iterations
+
+    def _hold(self, compliance: Matrix, approach: Vector, before: BoolVector, time: float) -> None:
+        """Holds rigid wheels whose tension is an echo of an event, and notes the event."""
+        assert self._restart is not None
+        assert self.train is not None
+        state = self.state
+        self._event = bool((self._restart.wheels & (state.closed != before)).any())
+        released = self._restart.wheels & before & ~state.closed
+        if not released.any():
+            return
+        forces = state.contact_forces
+        lines = self.lines.finish(self.line_load(forces, self.pad_forces_for(forces)))
+        rate = self.coefficients.damping / self.coefficients.force
+        velocity = rate * lines - self._viscous[0]
+        train_velocity = rate * self.train.finish(forces) - self._viscous[1]
+        kept = self._restart.kept(
+            released, forces, state.closed, (lines, velocity), train_velocity, time
+        )
+        state.small_solves += 2
+        if kept.any():
+            state.closed = state.closed | kept
+            state.contact_forces = contact_forces(compliance, approach, state.closed)
+            state.small_solves += 1
+
+    def settle(self, motions: Sequence[MovingPart]) -> None:
+        """Ends a step: after an event of rigid contact, restarts velocities and accelerations.
+
+        Args:
+            motions: Of lines, train and structure at the end of the step; changed in place.
+
+        Raises:
+            ConvergenceError: No admissible contact state.
+        """
+        restart, state = self._restart, self.state
+        if restart is None:
+            return
+        lines, train = motions[0], motions[1]
+        if not (self._event or restart.is_due(lines, train, state.closed)):
+            return
+        forces, closed, jump, energy, solves = restart.apply(
+            lines, train, state.closed, state.contact_forces, self._time
         )
         state.status_changes += int(np.count_nonzero(closed != state.closed))
-        state.small_solves += solves
         state.contact_forces, state.closed = forces, closed
-        state.pad_forces = self.pad_forces_for(forces)
+        state.small_solves += solves
+        state.restarts += 1
+        state.impact_loss += energy.loss
+        state.impact_drive += energy.drive
+        if self.structure is not None:
+            seats = jump[2 * self.system.seat_nodes].T.ravel()
+            state.pad_forces = state.pad_forces + self.structure.matrices.pad_damping * seats
 
     def finish(self, part: int) -> FloatArray:
         """The part's displacement at the end of the step."""

@@ -1,4 +1,4 @@
-"""The three kinds of part, with their effective matrices factorised.
+"""Structure and lines, with their effective matrices factorised; ``train_part`` has the train.
 
 Each part answers the same three questions in a step: how would it move if no interface force
 acted (``begin``), how compliant is it where the interface forces act, and how does it move once
@@ -8,20 +8,19 @@ they are known (``finish``).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.linalg as dense
 import scipy.sparse as sparse
-from scipy.linalg import lapack
 
-from solver.arrays import FloatArray, IntVector, Matrix, SparseMatrix, Vector
-from solver.errors import SingularSystemError
+from solver.arrays import BoolVector, FloatArray, IntVector, Matrix, SparseMatrix, Vector
 from solver.factorisation import condense
 from solver.factorisation.chain import Chain
+from solver.factorisation.positive import positive_inverse
 from solver.models.beam_line import BeamLine
 
-__all__ = ["Coefficients", "LinePart", "StructureMatrices", "StructurePart", "TrainPart"]
+__all__ = ["Coefficients", "LinePart", "StructureMatrices", "StructurePart"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +96,7 @@ class StructurePart:
         self._mass = sparse.csr_array(matrices.mass)
         effective = coefficients.effective(matrices.mass, matrices.damping, matrices.stiffness)
         self._condensed = condense(effective, matrices.seats, "the structure")
-        self.seat_compliance = _symmetric_inverse(self._condensed.complement, "the structure")
+        self.seat_compliance = positive_inverse(self._condensed.complement, "the structure")
         self.memory_bytes = self._condensed.memory_bytes
         self._remainder = _damping_remainder(matrices)
         self._shift_factor, self._mass_factor = self._rayleigh_factors()
@@ -156,24 +155,6 @@ def _damping_remainder(matrices: StructureMatrices) -> SparseMatrix:
     return remainder
 
 
-def _symmetric_inverse(matrix: Matrix, part: str) -> Matrix:
-    """Inverse of a symmetric positive definite matrix.
-
-    Raises:
-        SingularSystemError: It is not, or only by rounding.
-    """
-    if matrix.size == 0:
-        return matrix
-    scale = 1.0 / np.sqrt(np.maximum(matrix.diagonal(), np.finfo(float).tiny))
-    scaled = matrix * np.outer(scale, scale)
-    factor, info = lapack.dpotrf(scaled)
-    reciprocal = 0.0 if info else float(lapack.dpocon(factor, np.abs(scaled).sum(axis=0).max())[0])
-    if reciprocal < np.finfo(float).eps:
-        raise SingularSystemError(part, "something moves without resistance")
-    inverse = dense.cho_solve((factor, False), np.diag(scale)) * scale[:, None]
-    return 0.5 * (inverse + inverse.T)
-
-
 class LinePart:
     """The beam lines: the rails with their approach tracks, or a plain beam.
 
@@ -209,15 +190,7 @@ class LinePart:
             self._sleeper_ratio = link / own
             self._sleeper_own = own
             np.subtract.at(diagonal[:, 0, 0], nodes, link**2 / own)
-        fixed = ~line.free
-        for node, freedom in np.argwhere(fixed):
-            diagonal[node, freedom, :] = 0.0
-            diagonal[node, :, freedom] = 0.0
-            diagonal[node, freedom, freedom] = 1.0
-            if node < n - 1:
-                upper[node, freedom, :] = 0.0
-            if node > 0:
-                upper[node - 1, :, freedom] = 0.0
+        _pin(diagonal, upper, ~line.free)
         return diagonal, upper
 
     def begin(
@@ -258,13 +231,17 @@ class LinePart:
 
     def columns(self, nodes: IntVector, rows: FloatArray) -> Matrix:
         """Displacements for unit loads at places (nodes, rows): shape (2 n_node, n_place)."""
+        return self._chain.solve(self._unit_loads(nodes, rows))
+
+    def _unit_loads(self, nodes: IntVector, rows: FloatArray) -> Matrix:
+        """Unit loads at places, shape (2 n_node, n_place)."""
         loads = np.zeros((2 * self.line.n_node, nodes.size))
         place = np.arange(nodes.size)
         for k in range(4):
             # A place at the last node has no weight beyond it.
             loads[np.minimum(2 * nodes + k, len(loads) - 1), place] += rows[:, k]
         loads[~self._free] = 0.0
-        return self._chain.solve(loads)
+        return loads
 
     def between(
         self, node_a: IntVector, rows_a: FloatArray, node_b: IntVector, rows_b: FloatArray
@@ -277,11 +254,55 @@ class LinePart:
         columns = 2 * nodes[:, None] + np.arange(4)
         return rows * self._free[columns]
 
+    # -- at the level of the masses: what a restart needs ------------------------------------
+
+    @cached_property
+    def _mass_chain(self) -> Chain:
+        """The rails' own mass, sleepers apart: they hang on springs, not on the mass."""
+        diagonal, upper = _blocks(self._mass, self.line.n_node)
+        _pin(diagonal, upper, ~self.line.free)
+        return Chain(diagonal, upper, "the mass of the rail or beam")
+
+    def accelerated(self, force: Matrix) -> Matrix:
+        """M^-1 times a force on all freedoms (n_dof, n_line); zero where fixed."""
+        n = 2 * self.line.n_node
+        result = np.empty_like(force)
+        on_rail = force[:n].copy()
+        on_rail[~self._free] = 0.0
+        result[:n] = self._mass_chain.solve(on_rail)
+        result[n:] = force[n:] / self._mass.diagonal()[n:, None]
+        return result
+
+    def mass_columns(self, nodes: IntVector, rows: FloatArray) -> Matrix:
+        """Velocities for unit impulses at places (nodes, rows): shape (2 n_node, n_place)."""
+        return self._mass_chain.solve(self._unit_loads(nodes, rows))
+
+    def inertia_force(self, acceleration: Matrix) -> Matrix:
+        """M a''."""
+        return self._mass @ acceleration
+
+    def damping_force(self, velocity: Matrix) -> Matrix:
+        """C a', the pads of the three-dimensional track apart."""
+        return self._damping @ velocity
+
     @property
     def window_length(self) -> float:
         """Distance beyond which the table's compliance is zero. [m]"""
         steps = np.diff(self.line.positions)
         return float((self._chain.window + 1) * steps.max())
+
+
+def _pin(diagonal: FloatArray, upper: FloatArray, fixed: BoolVector) -> None:
+    """Replaces fixed freedoms of the chain by ones, in place."""
+    n = diagonal.shape[0]
+    for node, freedom in np.argwhere(fixed):
+        diagonal[node, freedom, :] = 0.0
+        diagonal[node, :, freedom] = 0.0
+        diagonal[node, freedom, freedom] = 1.0
+        if node < n - 1:
+            upper[node, freedom, :] = 0.0
+        if node > 0:
+            upper[node - 1, :, freedom] = 0.0
 
 
 def _blocks(matrix: SparseMatrix, n_node: int) -> tuple[FloatArray, FloatArray]:
@@ -294,41 +315,3 @@ def _blocks(matrix: SparseMatrix, n_node: int) -> tuple[FloatArray, FloatArray]:
     above = second == first + 1
     upper[first[above], rows.row[above] % 2, rows.col[above] % 2] = rows.data[above]
     return diagonal, upper
-
-
-class TrainPart:
-    """The train: a few hundred unknowns, dense."""
-
-    def __init__(
-        self,
-        mass: Matrix,
-        damping: Matrix,
-        stiffness: Matrix,
-        weight: Vector,
-        wheel_rows: Matrix,
-        coefficients: Coefficients,
-    ) -> None:
-        self._mass, self._damping = mass, damping
-        self._weight, self._rows = weight, wheel_rows
-        self._coefficients = coefficients
-        effective = coefficients.effective(mass, damping, stiffness)
-        self._inverse = _symmetric_inverse(effective, "the train")
-        self._wheel_columns = self._inverse @ wheel_rows.T
-        self.wheel_compliance = wheel_rows @ self._wheel_columns
-        self._free = np.zeros(weight.size)
-        self.free_wheels = np.zeros(wheel_rows.shape[0])
-
-    def begin(
-        self, inertia: FloatArray, viscous: FloatArray, acceleration: FloatArray, previous: Vector
-    ) -> Vector:
-        """Takes the histories; returns the imbalance of the last step."""
-        c = self._coefficients
-        imbalance = c.imbalance(self._mass @ acceleration, previous)
-        load = self._mass @ inertia + c.force * (self._damping @ viscous + self._weight)
-        self._free = self._inverse @ (load + c.memory * imbalance)
-        self.free_wheels = self._rows @ self._free
-        return imbalance
-
-    def finish(self, contact_forces: Vector) -> Vector:
-        """Displacement, once the contact forces (up on the wheels) are known."""
-        return self._free + self._coefficients.force * (self._wheel_columns @ contact_forces)

@@ -1,23 +1,18 @@
 """The static start: the train stands on the rails, everything in balance.
 
-A free train is singular without contact, hence the bordered system (modelling decision):
-
-    [K   -W'] [z]   [weight]
-    [W  S_xx] [X] = [  r   ]
-
-with S_xx the static compliance of the rails, the structure and the contact springs.
+The compliance under the wheels is the static one of the rails, the structure and the contact
+springs. A run with the nonlinear law that started from the state of the linear one would dip to
+49 kN (modelling decision).
 """
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg as dense
 
 from solver.arrays import Matrix, Vector
-from solver.errors import SingularSystemError
+from solver.contact.standing import StandingVehicle
 from solver.system.coupled import EffectiveSystem, System
 from solver.system.parts import Coefficients
 
@@ -33,6 +28,7 @@ class StaticState:
         train: Of the train, shape (n_dof,).
         structure: Of the structure, shape (n_dof,), or None where there is none.
         contact_forces: Shape (n_wheel,). [N]
+        compression: Of the nonlinear Hertz springs, 0 without them, shape (n_wheel,). [m]
         pad_forces: Tension in the pads, line after line, shape (n_pad,). [N]
         dead_load: Displacement of the structure under its own weight, rails and train absent.
     """
@@ -41,6 +37,7 @@ class StaticState:
     train: Vector
     structure: Vector | None
     contact_forces: Vector
+    compression: Vector
     pad_forces: Vector
     dead_load: Vector | None
 
@@ -56,7 +53,7 @@ def static_state(system: System) -> StaticState:
     n_wheel = system.train.wheel_offsets.size
     compliance, _ = effective.contact_problem(np.zeros((n_wheel, n_wheel)))
     elevation = system.irregularity(system.train.wheel_lines, system.wheel_positions(0.0))
-    train, forces = _bordered(system, compliance, elevation)
+    train, forces, compression = _stand(system, compliance, elevation)
     pads = effective.pad_forces_for(forces)
     lines = effective.lines.finish(effective.line_load(forces, pads))
     structure = dead_load = None
@@ -69,27 +66,26 @@ def static_state(system: System) -> StaticState:
         train=train,
         structure=structure,
         contact_forces=forces,
+        compression=compression,
         pad_forces=pads,
         dead_load=dead_load,
     )
 
 
-def _bordered(system: System, compliance: Matrix, elevation: Vector) -> tuple[Vector, Vector]:
-    """Train displacements and contact forces of the bordered system, scaled to one magnitude."""
-    train = system.train
-    n_dof, n_wheel = train.weight.size, elevation.size
-    scale = np.abs(train.stiffness).max() or 1.0
-    matrix = np.zeros((n_dof + n_wheel, n_dof + n_wheel))
-    matrix[:n_dof, :n_dof] = train.stiffness / scale
-    matrix[:n_dof, n_dof:] = -train.wheel_rows.T
-    matrix[n_dof:, :n_dof] = train.wheel_rows
-    matrix[n_dof:, n_dof:] = compliance * scale
-    load = np.concatenate([train.weight / scale, elevation - train.wheel_rest])
-    try:
-        with warnings.catch_warnings():
-            # Singular but for rounding: the forces would be noise that still adds up.
-            warnings.simplefilter("error", dense.LinAlgWarning)
-            solution = dense.solve(matrix, load)
-    except (dense.LinAlgError, dense.LinAlgWarning) as error:
-        raise SingularSystemError("the train", "a body moves without any spring") from error
-    return solution[:n_dof], solution[n_dof:] * scale
+def _stand(system: System, compliance: Matrix, elevation: Vector) -> tuple[Vector, Vector, Vector]:
+    """Train displacements, contact forces and compressions by the system's contact law.
+
+    Statics find every wheel on its rail: one that would have to be pulled shows tension, by the
+    odd continuation of the nonlinear law.
+
+    Raises:
+        ConvergenceError: Newton's method did not settle.
+    """
+    train, law = system.train, system.nonlinear_hertz
+    standing = StandingVehicle(
+        name="the train", stiffness=train.stiffness, weight=train.weight, rows=train.wheel_rows
+    )
+    if law is None:
+        found, forces = standing.on_linear(compliance, elevation - train.wheel_rest)
+        return found, forces, np.zeros_like(forces)
+    return standing.on_hertz(compliance, elevation - train.wheel_rest, law)

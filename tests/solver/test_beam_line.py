@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg as sparse_linalg
 
+from solver.contact.path import hermite
 from solver.errors import InputError
 from solver.integrators import HHT
 from solver.modal import modes
 from solver.models.ballasted_track import TrackProperties
 from solver.models.beam_bridge import BeamBridge, beam_bridge_line
-from solver.models.beam_line import BeamLine, hermite_rows
+from solver.models.beam_line import BeamLine
 from solver.models.rails import ApproachTrack, rail_line
 from solver.simulation import effective_coefficients
 from solver.system.parts import Coefficients, LinePart
@@ -26,7 +27,7 @@ def bridge_line(bridge: BeamBridge = BRIDGE) -> BeamLine:
     return beam_bridge_line(bridge, -30.0, bridge.length + 30.0)
 
 
-def test_hermite_rows_interpolate_every_cubic_exactly() -> None:
+def test_hermite_functions_interpolate_every_cubic_exactly() -> None:
     """On an uneven mesh, whatever the element: value at x from values and slopes at the nodes."""
     generator = np.random.default_rng(1)
     cubic = np.polynomial.Polynomial(generator.standard_normal(4))
@@ -36,7 +37,7 @@ def test_hermite_rows_interpolate_every_cubic_exactly() -> None:
     nodal = np.stack(
         [cubic(start), slope(start), cubic(start + length), slope(start + length)], axis=1
     )
-    found = np.einsum("nk,nk->n", hermite_rows(local, length), nodal)
+    found = np.einsum("nk,nk->n", hermite(local, length), nodal)
     np.testing.assert_allclose(found, cubic(start + local * length), rtol=1e-12, atol=1e-10)
 
 

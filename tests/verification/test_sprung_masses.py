@@ -48,6 +48,7 @@ def reference(study: Study, times: np.ndarray, n_mode: int = 20):
     )
 
 
+@pytest.mark.slow
 def test_one_sprung_mass_follows_the_semi_analytical_solution() -> None:
     """4.4.1 with dt = 2.5e-4 s: displacements within 5e-4 of the peak (the issue's bound)."""
     study = template("sprung-mass-beam").study
