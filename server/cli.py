@@ -127,15 +127,15 @@ def verify(
     from solver.verification import case, cases
 
     try:
-        chosen = [case(name) for name in names] if names else list(cases())
+        chosen = [case(name) for name in dict.fromkeys(names)] if names else list(cases())
     except InputError as error:
         _fail(f"{error.value}: {error.reason}. {error.remedy}")
     if fast:
         chosen = [item for item in chosen if item.weight == "fast"]
         if not chosen:
             _fail("None of these cases is a fast one. Run them without --fast.")
-    if report is not None and not report.absolute().parent.is_dir():
-        _fail(f"{report} cannot be written: its folder does not exist.")
+    if report is not None:
+        _require_writable(report)
     results = _verified(chosen)
     found = [row for _, result in results for row in result.comparisons]
     # Into a file or a pipe nobody measures the window: lines long enough to read.
@@ -148,6 +148,17 @@ def verify(
     if failed:
         _fail(f"{len(failed)} of {len(results)} cases failed: {', '.join(failed)}.")
     typer.echo(f"All {len(results)} cases passed, {len(found)} comparisons.")
+
+
+def _require_writable(report: Path) -> None:
+    """Refuses a report that could not be written, before any case runs."""
+    folder = report.absolute().parent
+    if not folder.is_dir():
+        _fail(f"{report} cannot be written: its folder does not exist.")
+    if report.is_dir():
+        _fail(f"{report} cannot be written: it is a folder. Name a file in it.")
+    if not os.access(report if report.exists() else folder, os.W_OK):
+        _fail(f"{report} cannot be written: no permission. Choose another place.")
 
 
 def _verified(chosen: list[Any]) -> list[tuple[Any, Any]]:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from rich.table import Table
+from rich.text import Text
 
 from solver.verification import Case, Comparison, Figure, Progress, Result
 
@@ -122,16 +123,17 @@ def comparison_table(comparisons: Sequence[Comparison]) -> Table:
     table.add_column("reason", overflow="fold", style="dim")
     before = ""
     for item in comparisons:
-        table.add_row(
+        # As plain text: a message may hold brackets, which markup would take for its own.
+        cells = (
             "" if item.case == before else item.case,
             item.quantity,
             _with_unit(_number_text(item.reference), item.unit),
             _with_unit(_number_text(item.ours), item.unit),
             _with_unit(_small_text(item.difference), item.measure),
             _small_text(item.tolerance),
-            "[green]passed[/]" if item.passed else "[bold red]FAILED[/]",
-            item.reason,
         )
+        verdict = Text("passed", "green") if item.passed else Text("FAILED", "bold red")
+        table.add_row(*map(Text, cells), verdict, Text(item.reason))
         before = item.case
     return table
 
@@ -166,8 +168,9 @@ def report_page(results: Sequence[tuple[Case, Result]], version: str) -> str:
 <body>
 <header>
 <h1>Verification of trainbridge {escape(version)}</h1>
-<p>{len(results)} cases with {count} comparisons: {verdict}. Every quantity is computed twice, by
-the solver and by something independent of it; the tolerance was set for the reason given.</p>
+<p>{len(results)} cases with {count} comparisons: {verdict}. Every quantity is computed twice:
+by the solver, and by a closed form, a semi-analytical solution, a print of the thesis, or another
+formulation or mesh, as its row says.</p>
 </header>
 <nav aria-label="Cases"><ol>
 {links}

@@ -95,7 +95,7 @@ def parse_profile(text: str, *, unit: float = _MILLIMETRE) -> Matrix:
         )
     rows: list[list[float]] = []
     heading_seen = False
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(text.removeprefix("\ufeff").splitlines(), start=1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         cells = line.replace(",", " ").replace(";", " ").split()
@@ -105,7 +105,7 @@ def parse_profile(text: str, *, unit: float = _MILLIMETRE) -> Matrix:
             row = []
         if len(row) == 2:
             rows.append(row)
-        elif rows or heading_seen or len(row) > 0:
+        elif rows or heading_seen or len(row) > 0 or any(map(_is_number, cells)):
             raise InputError(
                 f"profile.line {number}",
                 line[:80],
@@ -117,6 +117,15 @@ def parse_profile(text: str, *, unit: float = _MILLIMETRE) -> Matrix:
     if not rows:
         raise InputError("profile.text", text[:80], "it holds no points", "Give one point a line.")
     return np.array(rows) * unit
+
+
+def _is_number(cell: str) -> bool:
+    """Whether a cell of a heading is a number after all: then the line is a faulty point."""
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
 
 
 def smooth_profile(points: ArrayLike, *, name: str, noise: float = 0.0) -> Profile:

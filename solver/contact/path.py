@@ -252,29 +252,42 @@ def beam_path(points: FloatArray, displacements: SparseMatrix, slopes: SparseMat
 
 
 def edge_path(
-    points: FloatArray, displacements: SparseMatrix, edge_rows: Literal["exact", "hermite"]
+    points: FloatArray,
+    displacements: SparseMatrix,
+    edge_rows: Literal["exact", "hermite"],
+    middles: SparseMatrix | None = None,
 ) -> Path:
-    """Along the edges of shells or eight-node solids, whose nodes have no slope of their own.
+    """Along the edges of shells or solids, whose nodes have no slope of their own.
 
     Args:
-        points: Nodes, shape (n, 3). [m]
+        points: Nodes, the corners only where ``middles`` are given, shape (n, 3). [m]
         displacements: Normal displacement of each node, shape (n, n_dof).
-        edge_rows: ``exact`` interpolates linearly, as the element's edge does, with a kink at
-            every node; ``hermite`` lays C1 cubics through the nodes, their slopes from the
-            parabola through three neighbours.
+        edge_rows: ``exact`` interpolates as the element's edge does, with a kink at every corner;
+            ``hermite`` lays C1 cubics through the nodes, their slopes from the parabola through
+            three neighbours.
+        middles: Normal displacement of the middle node of each edge, for 20-node solids with
+            ``exact`` rows, shape (n - 1, n_dof); for cubics list them among the nodes instead.
 
     Raises:
-        InputError: Fewer than three nodes for cubics.
+        InputError: Fewer than three nodes for cubics, or cubics with middle nodes apart.
     """
     points = _checked(points)
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     if edge_rows == "hermite":
+        if middles is not None:
+            raise InputError("edge_rows", edge_rows, "takes the middle nodes among the others",
+                             "List all nodes of the edge in order.")  # fmt: skip
         return beam_path(points, displacements, _slopes(lengths) @ displacements)
     count = lengths.size
     node = np.arange(count)
     start, end = displacements[node], displacements[node + 1]
-    slope = sparse.diags_array(1.0 / lengths) @ (end - start)
-    blocks = sparse.csr_array(sparse.vstack([start, slope, end, slope]))
+    inverse = sparse.diags_array(1.0 / lengths)
+    first = last = inverse @ (end - start)
+    if middles is not None:
+        # Ends of the parabola through three nodes: a Hermite cubic on them is the parabola.
+        first = inverse @ (4.0 * middles - 3.0 * start - end)
+        last = inverse @ (start - 4.0 * middles + 3.0 * end)
+    blocks = sparse.csr_array(sparse.vstack([start, first, end, last]))
     order = (np.arange(4) * count + node[:, None]).ravel()
     return _path(points, blocks[order], smooth=False)
 

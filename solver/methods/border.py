@@ -13,7 +13,7 @@ along it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -37,6 +37,7 @@ class Border:
         rest: What else the gap depends on: the path, and in free drive the slope.
         elevation: Right-hand side, shape (n_wheel,). [m]
         gap: Of the iterate, shape (n_wheel,). [m]
+        height: Of the wheels above the undeformed, perfect path: gap + w + r, (n_wheel,). [m]
         chainage: Place of each wheel, shape (n_wheel,). [m]
         point: Geometry under each wheel.
     """
@@ -45,6 +46,7 @@ class Border:
     rest: Rows
     elevation: Vector
     gap: Vector
+    height: Vector
     chainage: Vector
     point: PathPoint
 
@@ -114,11 +116,23 @@ class Borders:
         point = self._problem.path.at(chainage)
         wheel, path = self._towards(point.normal), self._path_rows(point)
         elevation = self._problem.irregularity.elevation(chainage)
-        gap = wheel.dot(displacement) - path.dot(displacement) - elevation
+        height = wheel.dot(displacement)
         return Border(
-            wheel=wheel, rest=path.scaled(-1.0), elevation=elevation, gap=gap,
-            chainage=chainage, point=point,
+            wheel=wheel, rest=path.scaled(-1.0), elevation=elevation,
+            gap=height - path.dot(displacement) - elevation, height=height, chainage=chainage,
+            point=point,
         )  # fmt: skip
+
+    def again(self, time: float, displacement: Vector, border: Border) -> Border:
+        """The border of the same instant at another iterate.
+
+        At a prescribed speed nothing but the gaps changes.
+        """
+        if self.moves_freely:
+            return self._free(time, displacement, border.chainage)
+        height = border.wheel.dot(displacement)
+        gap = height + border.rest.dot(displacement) - border.elevation
+        return replace(border, gap=gap, height=height)
 
     def _free(self, time: float, displacement: Vector, guess: Vector) -> Border:
         problem = self._problem
@@ -138,14 +152,10 @@ class Borders:
         gap = height - surface
         linear = wheel.dot(displacement) + rest.dot(displacement)
         return Border(
-            wheel=wheel, rest=rest, elevation=linear - gap, gap=gap, chainage=chainage,
+            wheel=wheel, rest=rest, elevation=linear - gap, gap=gap, height=height,
+            chainage=chainage,
             point=point,
         )  # fmt: skip
-
-    def surface(self, border: Border, displacement: Vector) -> Vector:
-        """Elevation w + r of the surface under the wheels, shape (n_wheel,). [m]"""
-        deflection = self._path_rows(border.point).dot(displacement)
-        return deflection + self._problem.irregularity.elevation(border.chainage)
 
     def path_rate(self, border: Border, displacement: Vector, velocity: Vector) -> Vector:
         """What H a' must equal while a closed contact stays closed, shape (n_wheel,). [m/s]

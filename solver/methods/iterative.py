@@ -70,7 +70,7 @@ class DivergenceError(ConvergenceError):
         super().__init__(time, wheel, residual)
         self.radius = radius
         advice = (
-            "Allow more sweeps (most_iterations) or a greater tolerance."
+            "Allow more sweeps (most_iterations), a greater tolerance, or relax less (to 1)."
             if radius < 1.0
             else f"Use acceleration: aitken, a relaxation below {2.0 / (1.0 + radius):.3g}, or the "
             "direct method."

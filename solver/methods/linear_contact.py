@@ -70,7 +70,7 @@ class LinearContactSolver:
             chainage = border.chainage
             if not self._borders.moves_freely:
                 break
-            moved = self._borders.at(step.time, whole, chainage)
+            moved = self._borders.again(step.time, whole, border)
             if self._settled(border, moved, forces, closed, step):
                 border = moved
                 break

@@ -115,9 +115,8 @@ class NonlinearContactSolver:
         """See ``ContactSolver``."""
         settings = self._settings
         self.blocks.forward(step.load[self._first])
-        iterate = self._predict(step, state)
+        iterate, border = self._predict(step, state)
         flips = np.zeros(iterate.closed.size, dtype=int)
-        border = self._borders.at(step.time, iterate.whole, state.chainage)
         for iteration in range(1, settings.most_iterations + 1):
             changed = self._update_status(iterate, border, keep_closed)
             flips += changed
@@ -127,13 +126,13 @@ class NonlinearContactSolver:
             if not changed.any() and iteration > 1 and self._converged(step, iterate, residual):
                 return self._finish(iterate, residual, iteration - 1)
             self._improve(iterate, residual, self._structure_tangents(iterate))
-            border = self._borders.at(step.time, iterate.whole, border.chainage)
+            border = self._borders.again(step.time, iterate.whole, border)
         residual = self._residual(step, iterate, border)
         raise UnsettledError(self._name(np.abs(iterate.forces)), _norm(residual))
 
     # -- the iterate ------------------------------------------------------------------------
 
-    def _predict(self, step: StepEquations, state: StepState) -> _Iterate:
+    def _predict(self, step: StepEquations, state: StepState) -> tuple[_Iterate, Border]:
         """Predictors of table 5.1, step 4: no acceleration, the last contact forces."""
         dt, beta = step.method.time_step, step.method.beta
         whole = (
@@ -144,22 +143,14 @@ class NonlinearContactSolver:
         closed = np.array(state.closed)
         forces = np.where(closed, state.contact_forces, 0.0)
         border = self._borders.at(step.time, whole, state.chainage)
-        internal = self._wheel_heights(border, whole) + self._compression(forces)
-        return _Iterate(whole=whole, internal=internal, forces=forces, closed=closed)
+        internal = border.height + self._compression(forces)
+        return _Iterate(whole=whole, internal=internal, forces=forces, closed=closed), border
 
     def _compression(self, force: Vector) -> Vector:
         """Compression of the springs under forces."""
         if self._hertz is None:
             return np.zeros_like(force)
         return np.sign(force) * (np.abs(force) / self._hertz.coefficient) ** (2.0 / 3.0)
-
-    def _wheel_heights(self, border: Border, whole: Vector) -> Vector:
-        """Height of the wheels above the undeformed, perfect path: gap + w + r. [m]"""
-        return border.gap + self._surface(border, whole)
-
-    def _surface(self, border: Border, whole: Vector) -> Vector:
-        """w + r under the wheels. [m]"""
-        return self._borders.surface(border, whole)
 
     def _update_status(
         self, iterate: _Iterate, border: Border, keep_closed: BoolVector | None
@@ -177,8 +168,7 @@ class NonlinearContactSolver:
         if changed.any():
             iterate.closed = iterate.closed ^ changed
             touched = changed & iterate.closed
-            surface = self._surface(border, iterate.whole)
-            iterate.internal[touched] = surface[touched]
+            iterate.internal[touched] = (border.height - border.gap)[touched]
         return changed
 
     # -- Newton's method --------------------------------------------------------------------
@@ -188,8 +178,7 @@ class NonlinearContactSolver:
         f, closed = self._factor, iterate.closed
         on_first = iterate.whole[self._first_columns]
         on_second = iterate.whole[self._second_columns]
-        heights = self._wheel_heights(border, iterate.whole)
-        compression = iterate.internal - heights
+        compression = iterate.internal - border.height
         spring = self._spring_force(compression)
         on_wheel = np.where(closed, iterate.forces if self._hertz is None else spring, 0.0)
         force = border.wheel.transposed_dot(on_wheel)
@@ -202,7 +191,7 @@ class NonlinearContactSolver:
             step.load[self._second] - self._coupling @ on_first - self._corner @ on_second
             + f * force[self._second_columns] - f * self._internal(iterate)[self._second]
         )  # fmt: skip
-        surface = heights - border.gap
+        surface = border.height - border.gap
         if self._hertz is None:
             gap = border.gap + self._spring * iterate.forces
             third = f * gap[closed]
@@ -310,7 +299,7 @@ class NonlinearContactSolver:
             gap = residual.border.gap + self._spring * iterate.forces
             wheel = np.zeros(1)
         else:
-            gap = iterate.internal - self._surface(residual.border, iterate.whole)
+            gap = iterate.internal - (residual.border.height - residual.border.gap)
             wheel = np.abs(iterate.forces - residual.spring)[closed]
         share = load / max(1, closed.size)
         internal = np.linalg.norm(self._internal(iterate))

@@ -115,6 +115,12 @@ class PenaltyContactSolver:
         self._on_free = stacked.free_position(np.arange(stacked.n_dof))
         self._factor = method.force_factor
         if isinstance(problem.law, LinearHertz):
+            if options.penalty is not None:
+                raise InputError(
+                    "penalty.penalty", options.penalty,
+                    "the linear Hertz law brings its own stiffness",
+                    "Leave the penalty out, or use the rigid law.",
+                )  # fmt: skip
             self.penalty = problem.law.stiffness
         elif options.penalty is not None:
             self.penalty = options.penalty

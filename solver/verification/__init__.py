@@ -1,4 +1,5 @@
-"""Verification cases: what the solver finds against results that share no code with it.
+"""Verification cases: what the solver finds against closed forms, semi-analytical solutions, prints
+of the thesis, and other formulations.
 
 Add a case by writing one file with a ``Case`` and naming it in ``registry``.
 """

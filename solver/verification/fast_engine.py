@@ -19,7 +19,7 @@ from solver.reference import moving_sprung_masses
 from solver.studies import prepare, template
 from solver.verification.case import Case, Findings, Progress, Result, Series
 from solver.verification.crossings import Crossing, CrossingHistories, cross
-from solver.verification.recording import part_of
+from solver.verification.recording import add_equilibrium, part_of
 from solver.verification.sprung_mass import BEAM, MASS, REFERENCE_BEAM, STIFFNESS
 from solver.verification.two_spans import compare_events, two_span_crossing
 
@@ -62,6 +62,7 @@ def run_sprung_mass(progress: Progress) -> Result:
     )  # fmt: skip
     general = cross(crossing, HHT(0.0, 2.5e-4), study.time.size - 1, part_of(progress, 0.7, 1.0))
     _compare_engines(findings, study, general, 1)
+    add_equilibrium(findings, general.recording)
     return findings.result()
 
 
@@ -72,6 +73,7 @@ def run_two_spans(progress: Progress) -> Result:
     crossing = two_span_crossing(RigidContact())
     general = cross(crossing, HHT(-0.1, 2.5e-4), study.time.size - 1, part_of(progress, 0.5, 1.0))
     _compare_engines(findings, study, general, 4)
+    add_equilibrium(findings, general.recording)
     compare_events(findings, study.forces[:, 3] <= 0.0, general.recording.leaves(3), 2.5e-4,
                    "study against general engine")  # fmt: skip
     findings.figure(

@@ -111,6 +111,12 @@ def compare_events(
             float(found.size), 0.0, "Every one of them has to occur, and no other.",
         )  # fmt: skip
         return
+    findings.at_least(
+        f"losses and returns of contact of the fourth mass, {label}, at least", "", 2.0,
+        float(wanted.size), "Contact is lost and found again.",
+    )  # fmt: skip
+    if wanted.size == 0:
+        return
     worst = int(np.argmax(np.abs(found - wanted)))
     findings.close(
         quantity, "s", step * float(wanted[worst]), step * float(found[worst]),

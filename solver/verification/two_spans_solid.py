@@ -113,22 +113,21 @@ def _compare(findings: Findings, solids: CrossingHistories, beams: CrossingHisto
                    METHOD.time_step, "solids against beam")  # fmt: skip
 
 
-def _compare_plain(
-    findings: Findings, solids: CrossingHistories, plain: CrossingHistories
-) -> None:  # fmt: skip
+def _compare_plain(findings: Findings, solids: CrossingHistories, plain: CrossingHistories) -> None:
     """What separates the solids from the beam of 5.3.1 as it is: more than 1 and 3 percent."""
-    reason = (
-        "The dent under a wheel softens the suspension by 4 percent (2.5e-10 of 6.4e-9 m/N) and "
-        "the line supports lower the first frequency by 0.2 percent, which the beam knows nothing "
-        "of."
+    phase = (
+        "The line supports lower the first frequency from 6.067 to 6.055 Hz, 0.07 rad after 0.9 s "
+        "of free vibration, and the dent under a wheel (2.5e-10 of the suspension's 6.4e-9 m/N) "
+        "changes the mass's frequency by 2 percent."
     )
-    for title, ours, wanted in (
-        ("least displacement at mid-span 1", solids.mid_span[:, 0], plain.mid_span[:, 0]),
-        ("least displacement of the fourth mass", solids.mass[:, 3], plain.mass[:, 3]),
-    ):
-        least = float(wanted.min())
-        findings.close(f"{title}, beam without dents", "m", least, float(ours.min()),
-                       0.05 * abs(least), reason)  # fmt: skip
+    findings.history("displacement at mid-span 1, plain beam", "m", plain.mid_span[:, 0],
+                     solids.mid_span[:, 0], 0.07, phase)  # fmt: skip
+    for mass, name, tolerance in ((0, "first", 0.1), (3, "fourth", 0.15)):
+        both = np.stack([plain.contact_force[:, mass], solids.contact_force[:, mass]], axis=1)
+        smooth = low_pass(both - MASS * GRAVITY, METHOD.time_step, 200.0) + MASS * GRAVITY
+        findings.history(f"contact force of the {name} mass below 200 Hz, plain beam", "N",
+                         smooth[:, 0], smooth[:, 1], tolerance,
+                         f"{phase} The force follows from both.")  # fmt: skip
 
 
 def _draw(

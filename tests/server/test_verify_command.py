@@ -87,6 +87,26 @@ def test_unknown_names_and_folders_are_said(tmp_path: Path) -> None:
     refused = CliRunner().invoke(app, ["verify", "two-springs", "--report", str(nowhere)])
     assert refused.exit_code == 1
     assert "folder does not exist" in refused.stderr
+    folder = CliRunner().invoke(app, ["verify", "two-springs", "--report", str(tmp_path)])
+    assert folder.exit_code == 1
+    assert "it is a folder" in folder.stderr.replace("\n", " ")
+
+
+def test_brackets_in_a_message_are_not_markup(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stumble(progress: object) -> object:
+        raise ValueError("no closing [/tmp/x] in [red]")
+
+    broken = Case(name="broken", title="Broken", source="None", weight="fast", run=stumble)  # type: ignore[arg-type]
+    monkeypatch.setattr(verification, "cases", lambda: (broken,))
+    done = CliRunner().invoke(app, ["verify"])
+    assert done.exit_code == 1
+    assert "[/tmp/x] in [red]" in done.stdout.replace("\n", " ")
+
+
+@pytest.mark.usefixtures("few")
+def test_a_name_given_twice_runs_once() -> None:
+    done = CliRunner().invoke(app, ["verify", "good", "good"])
+    assert "All 1 cases passed" in done.stdout
 
 
 def test_a_real_case_from_the_command_line() -> None:

@@ -42,6 +42,23 @@ def test_exact_edges_are_linear_and_cubic_edges_smooth() -> None:
         np.testing.assert_allclose(rows.dot(parabola), expected, atol=1e-12)
 
 
+def test_exact_edges_of_quadratic_elements_are_parabolas() -> None:
+    """Three corners, two middle nodes: each element's own quadratic shape functions."""
+    corners, middles = np.array([0.0, 2.0, 5.0]), np.array([1.0, 3.5])
+    identity = sparse.csr_array(sparse.eye_array(5))
+    path = edge_path(_nodes(corners), identity[:3], "exact", identity[3:])
+    values = np.random.default_rng(2).normal(size=5)
+    places = np.array([0.4, 1.7, 2.5, 4.9])
+    for place in places:
+        k = int(place > 2.0)
+        nodes = np.array([corners[k], middles[k], corners[k + 1]])
+        parabola = np.polynomial.Polynomial.fit(nodes, values[[k, 3 + k, k + 1]], 2)
+        found = path.rows(*path.locate(np.array([place]))).dot(values)[0]
+        assert found == pytest.approx(float(parabola(place)), rel=1e-12)
+    with pytest.raises(InputError, match="List all nodes"):
+        edge_path(_nodes(corners), identity[:3], "hermite", identity[3:])
+
+
 def test_cubic_edges_have_no_kink_at_their_nodes() -> None:
     x = np.linspace(0.0, 4.0, 9)
     path, values = _edge(x, "hermite"), np.random.default_rng(0).normal(size=9)

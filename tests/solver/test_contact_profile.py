@@ -171,3 +171,14 @@ def test_any_text_is_points_or_an_input_error(text: str) -> None:
     except InputError:
         return
     assert table.shape[1] == 2
+
+
+def test_a_mark_of_byte_order_is_no_heading() -> None:
+    points = parse_profile("\ufeff-10.5,0.3\n0,0\n")
+    np.testing.assert_allclose(points, [[-10.5e-3, 0.3e-3], [0.0, 0.0]])
+
+
+def test_a_first_point_with_a_slip_of_the_pen_is_not_taken_for_a_heading() -> None:
+    with pytest.raises(InputError, match=r"profile\.line 1"):
+        parse_profile("-10.5;O.3\n0;0\n")
+    np.testing.assert_allclose(parse_profile("y;z\n1;2\n"), [[1e-3, 2e-3]])

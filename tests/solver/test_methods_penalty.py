@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from solver.contact.laws import LinearHertz
+from solver.errors import InputError
 from solver.methods.integrate import make_method
 from solver.methods.penalty import default_penalty
 from tests.solver.methods_case import (
@@ -90,3 +91,9 @@ def test_a_hertz_spring_is_its_own_penalty() -> None:
     for solution in ("refactorise", "update"):
         _, forces, _ = histories(problem, settings, "penalty", solution=solution)
         assert difference(forces, reference) < 1e-8
+
+
+def test_a_penalty_beside_a_hertz_spring_is_refused() -> None:
+    problem = crossing(*sprung_wheels(2, unsprung=1000.0), law=LinearHertz(stiffness=1.2e9))
+    with pytest.raises(InputError, match="brings its own stiffness"):
+        histories(problem, steps(10), "penalty", penalty=1e5)
