@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import resource
 import subprocess
 import sys
 import time
 from dataclasses import asdict, dataclass
+from pathlib import Path
 
 for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
@@ -100,7 +102,7 @@ def measure(
         unknowns=method.stacked.free.size, wheels=n_wheel, law=law, setup=setup, step=step,
         large=_large(method), products=_products(method), iterations=iterations / n_step,
         status_changes=method.state.status_changes,
-        peak_memory=1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
+        peak_memory=_peak_memory(),
     )  # fmt: skip
 
 
@@ -123,6 +125,19 @@ def _products(method: DirectMethod, repeats: int = 10) -> float:
     for _ in range(2 * repeats):
         mass @ vector
     return (time.process_time() - before) / repeats
+
+
+def _peak_memory() -> int:
+    """Greatest resident memory of this process. [B]
+
+    Linux's ``ru_maxrss`` starts from that of the process which started this one; VmHWM does not.
+    """
+    status = Path("/proc/self/status")
+    if status.exists():
+        found = re.search(r"VmHWM:\s+(\d+) kB", status.read_text(encoding="ascii"))
+        if found:
+            return 1024 * int(found.group(1))
+    return 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def in_own_process(elements: tuple[int, int, int], n_span: int, n_wheel: int, law: str) -> Cost:
