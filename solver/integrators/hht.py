@@ -30,6 +30,14 @@ from solver.integrators.stability import require_unconditional_stability
 __all__ = ["HHT", "CoupledSystem", "HHTIntegrator", "Motion"]
 
 
+class Kinematics(Protocol):
+    """What the histories of a step need of the state before it."""
+
+    displacement: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+
+
 @dataclass(frozen=True)
 class HHT:
     """Parameters and constants of the method.
@@ -118,7 +126,7 @@ class HHT:
         """A5 = dt / 2 (gamma / beta - 2). [s]"""
         return 0.5 * self.time_step * (self.gamma / self.beta - 2.0)
 
-    def inertia_history(self, motion: Motion) -> FloatArray:
+    def inertia_history(self, motion: Kinematics) -> FloatArray:
         """m = A0 a + A2 a' + A3 a'': the acceleration is A0 a(n+1) - m."""
         return (
             self.a0 * motion.displacement
@@ -126,7 +134,7 @@ class HHT:
             + self.a3 * motion.acceleration
         )
 
-    def viscous_history(self, motion: Motion) -> FloatArray:
+    def viscous_history(self, motion: Kinematics) -> FloatArray:
         """c = A1 a + A4 a' + A5 a'': the velocity is A1 a(n+1) - c."""
         return (
             self.a1 * motion.displacement

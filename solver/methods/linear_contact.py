@@ -41,9 +41,7 @@ class LinearContactSolver:
         self._interface = borders.freedoms[positions >= 0]
         self._place = np.full(stacked.n_dof, -1)
         self._place[self._interface] = np.arange(self._interface.size)
-        effective = stacked.effective(
-            method.a0, method.force_factor * method.a1, method.force_factor
-        )
+        effective = stacked.effective(method)
         self.blocks = TwoBlockFactorisation(
             effective, positions[positions >= 0], "structure and vehicle"
         )

@@ -74,9 +74,7 @@ class NonlinearContactSolver:
         self._stacked, self._borders, self._settings = stacked, borders, settings
         self._problem = stacked.problem
         self._factor = method.force_factor
-        effective = stacked.effective(
-            method.a0, method.force_factor * method.a1, method.force_factor
-        )
+        effective = stacked.effective(method)
         wheels = stacked.free_position(borders.wheel_freedoms)
         parts = [part.freedoms for part in stacked.nonlinear]
         self._second = np.unique(np.concatenate([wheels[wheels >= 0], *parts])).astype(np.int64)

@@ -117,7 +117,7 @@ class EffectiveParts:
 
     def __init__(self, stacked: Stacked, method: HHT) -> None:
         self.factor = method.force_factor
-        effective = stacked.effective(method.a0, self.factor * method.a1, self.factor)
+        effective = stacked.effective(method)
         n_structure = int(np.count_nonzero(stacked.free < stacked.n_structure))
         self.structure: IntVector = np.arange(n_structure)
         self.vehicle: IntVector = np.arange(n_structure, stacked.free.size)

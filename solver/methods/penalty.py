@@ -77,10 +77,8 @@ def default_penalty(stacked: Stacked, borders: Borders, method: HHT, factor: flo
         ``factor`` times the greatest diagonal stiffness that a wheel, or a node of the path, has
         in the effective matrix along the contact. [N/m]
     """
-    f = method.force_factor
     diagonal = stacked.whole(
-        stacked.effective(method.a0, f * method.a1, f).diagonal(),
-        np.zeros(stacked.prescribed.size),
+        stacked.effective(method).diagonal(), np.zeros(stacked.prescribed.size)
     )
     wheels = stacked.problem.wheels
     border = borders.at(0.0, np.zeros(stacked.n_dof), wheels.chainage)
@@ -126,7 +124,7 @@ class PenaltyContactSolver:
             self.penalty = options.penalty
         else:
             self.penalty = default_penalty(stacked, borders, method, options.factor)
-        self._effective = stacked.effective(method.a0, self._factor * method.a1, self._factor)
+        self._effective = stacked.effective(method)
         self._updated = self._one_factor() if options.solution == "update" else None
 
     def _one_factor(self) -> TwoBlockFactorisation:

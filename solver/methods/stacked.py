@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sparse
 
 from solver.arrays import IntVector, Matrix, SparseMatrix, Vector
+from solver.integrators.hht import HHT
 from solver.methods.problem import Problem
 from solver.models.subsystem import NonlinearElements
 
@@ -119,11 +120,10 @@ class Stacked:
         values[self.prescribed] = prescribed
         return values
 
-    def effective(self, mass: float, damping: float, stiffness: float) -> SparseMatrix:
-        """Weighted sum of the FF matrices (4.18)."""
-        return sparse.csr_array(
-            mass * self.mass_ff + damping * self.damping_ff + stiffness * self.stiffness_ff
-        )
+    def effective(self, method: HHT) -> SparseMatrix:
+        """Effective matrix of a step over F (4.18)."""
+        internal = method.a1 * self.damping_ff + self.stiffness_ff
+        return sparse.csr_array(method.a0 * self.mass_ff + method.force_factor * internal)
 
     def nonlinear_force(self, free: Vector) -> Vector:
         """Forces of the nonlinear elements on F, shape (n_F,). [N]"""

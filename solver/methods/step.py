@@ -48,9 +48,7 @@ class StepEquations:
 
 def begin_step(stacked: Stacked, method: HHT, state: StepState, time: float) -> StepEquations:
     """Histories and loads of a step that ends at ``time`` (4.14, 4.19)."""
-    a, v, w = state.displacement, state.velocity, state.acceleration
-    inertia = method.a0 * a + method.a2 * v + method.a3 * w
-    viscous = method.a1 * a + method.a4 * v + method.a5 * w
+    inertia, viscous = method.inertia_history(state), method.viscous_history(state)
     free, new = stacked.free, method.force_factor
     external, _ = stacked.load(time)
     load = stacked.mass_ff @ inertia[free] + method.alpha * state.imbalance + new * external

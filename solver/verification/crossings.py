@@ -12,10 +12,10 @@ from solver.contact.laws import ContactLaw, RigidContact
 from solver.integrators.hht import HHT
 from solver.irregularities import PerfectRail, RailIrregularity
 from solver.methods.problem import PrescribedSpeed, Problem
+from solver.methods.vehicles import GRAVITY, sprung_masses
 from solver.models.plane_beam import BeamOnSupports
 from solver.verification.case import Progress
 from solver.verification.recording import Recording, record
-from solver.verification.vehicles import GRAVITY, sprung_masses
 
 __all__ = ["Crossing", "CrossingHistories", "cross"]
 

@@ -20,10 +20,10 @@ from solver.contact.laws import ContactLaw, NonlinearHertz, RigidContact
 from solver.contact.path import Path, rigid_path
 from solver.integrators.hht import HHT
 from solver.methods.problem import FreeDrive, Problem
+from solver.methods.vehicles import GRAVITY, ground_only, plane_masses
 from solver.verification.case import Case, Findings, Progress, Result, Series
 from solver.verification.recording import Recording, add_equilibrium, part_of, record
 from solver.verification.two_spans import CONTACT_COEFFICIENT
-from solver.verification.vehicles import GRAVITY, ground_only, plane_masses
 
 __all__ = ["CASE", "cycloid_path"]
 

@@ -7,6 +7,7 @@ import numpy as np
 from solver.arrays import Vector
 from solver.contact.laws import ContactLaw, LinearHertz, NonlinearHertz, RigidContact
 from solver.integrators.hht import HHT
+from solver.methods.vehicles import GRAVITY
 from solver.verification.case import Case, Findings, Progress, Result, Role, Series
 from solver.verification.crossings import CrossingHistories, cross
 from solver.verification.energy import EnergyBalance
@@ -18,7 +19,6 @@ from solver.verification.two_spans import (
     MASS,
     two_span_crossing,
 )
-from solver.verification.vehicles import GRAVITY
 
 __all__ = ["CASES"]
 

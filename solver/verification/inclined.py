@@ -15,11 +15,11 @@ from solver.contact.laws import ContactLaw, NonlinearHertz, RigidContact
 from solver.contact.path import rigid_path
 from solver.integrators.hht import HHT
 from solver.methods.problem import FreeDrive, Problem, Wheels
+from solver.methods.vehicles import Vehicle, ground_only
 from solver.models.subsystem import Subsystem
 from solver.verification.case import Case, Findings, Progress, Result, Series
 from solver.verification.recording import Recording, add_equilibrium, part_of, record
 from solver.verification.two_spans import CONTACT_COEFFICIENT
-from solver.verification.vehicles import Vehicle, ground_only
 
 __all__ = ["CASE"]
 

@@ -7,13 +7,13 @@ import scipy.sparse as sparse
 
 from solver.integrators.hht import HHT
 from solver.methods.problem import PrescribedSpeed, Problem, Wheels
+from solver.methods.vehicles import GRAVITY
 from solver.models.plane_beam import plane_beams
 from solver.models.subsystem import Subsystem
 from solver.reference import Crossing, moving_masses
 from solver.verification.case import Case, Findings, Progress, Result, Series
 from solver.verification.recording import Recording, add_equilibrium, part_of, record
 from solver.verification.sprung_mass import BEAM, REFERENCE_BEAM
-from solver.verification.vehicles import GRAVITY
 
 __all__ = ["CASE"]
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from solver.arrays import Vector
 from solver.integrators.hht import HHT
+from solver.methods.vehicles import GRAVITY
 from solver.models.plane_beam import PlaneBeams, plane_beams
 from solver.reference import Crossing as ReferenceCrossing
 from solver.reference import Response, SimplySupportedBeam, moving_sprung_masses
@@ -13,7 +14,6 @@ from solver.standards.low_pass import low_pass
 from solver.verification.case import Case, Findings, Progress, Result, Series
 from solver.verification.crossings import Crossing, CrossingHistories, cross
 from solver.verification.recording import add_equilibrium, part_of
-from solver.verification.vehicles import GRAVITY
 
 __all__ = ["BEAM", "CASES", "MASS", "REFERENCE_BEAM", "STIFFNESS"]
 

@@ -16,9 +16,9 @@ from solver.contact.path import rigid_path
 from solver.integrators.hht import HHT
 from solver.irregularities.harmonic import HarmonicIrregularity
 from solver.methods.problem import PrescribedSpeed, Problem
+from solver.methods.vehicles import GRAVITY, ground_only, sprung_masses
 from solver.verification.case import Case, Findings, Progress, Result, Series
 from solver.verification.recording import Recording, add_equilibrium, record
-from solver.verification.vehicles import GRAVITY, ground_only, sprung_masses
 
 __all__ = ["CASE"]
 

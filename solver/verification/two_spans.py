@@ -10,6 +10,7 @@ import numpy as np
 from solver.arrays import BoolVector, FloatArray, IntVector, Vector
 from solver.contact.laws import ContactLaw, LinearHertz, NonlinearHertz, RigidContact
 from solver.integrators.hht import HHT
+from solver.methods.vehicles import GRAVITY
 from solver.models.plane_beam import PlaneBeams, plane_beams
 from solver.reference import Crossing as ReferenceCrossing
 from solver.reference import SimplySupportedBeam, moving_sprung_masses
@@ -18,7 +19,6 @@ from solver.verification.case import Case, Findings, Progress, Result, Role, Ser
 from solver.verification.crossings import Crossing, CrossingHistories, cross
 from solver.verification.recording import add_equilibrium, part_of
 from solver.verification.series_spring import SeriesSpring, moving_masses_on_hertz_springs
-from solver.verification.vehicles import GRAVITY
 
 __all__ = [
     "BEAM",

@@ -18,6 +18,7 @@ import numpy as np
 from solver.arrays import Vector
 from solver.contact.laws import RigidContact
 from solver.integrators.hht import HHT
+from solver.methods.vehicles import GRAVITY
 from solver.models.plane_beam import PlaneBeams, plane_beams
 from solver.models.solid_beam import SolidBeams, solid_beams
 from solver.standards.low_pass import low_pass
@@ -41,7 +42,6 @@ from solver.verification.two_spans import (
     compare_events,
     two_span_crossing,
 )
-from solver.verification.vehicles import GRAVITY
 
 __all__ = ["CASES", "SOLID_BEAM"]
 

@@ -27,8 +27,8 @@ from solver.factorisation.blocks import FirstBlock  # noqa: E402
 from solver.integrators.hht import HHT  # noqa: E402
 from solver.irregularities.harmonic import HarmonicIrregularity  # noqa: E402
 from solver.methods import DirectMethod, PrescribedSpeed, Problem, Settings  # noqa: E402
+from solver.methods.vehicles import sprung_masses  # noqa: E402
 from solver.models.solid_beam import SolidBeams, solid_beams  # noqa: E402
-from solver.verification.vehicles import sprung_masses  # noqa: E402
 
 SIZES = ((40, 8, 8), (80, 10, 10), (120, 12, 12), (140, 16, 18), (160, 22, 22))
 """Elements of one span: 1e4 to 2.5e5 unknowns."""

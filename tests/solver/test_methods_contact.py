@@ -17,9 +17,9 @@ from solver.integrators.hht import HHT
 from solver.irregularities import RailIrregularity
 from solver.irregularities.harmonic import HarmonicIrregularity
 from solver.methods import DirectMethod, PrescribedSpeed, Problem, Settings, StepState, Wheels
+from solver.methods.vehicles import sprung_masses
 from solver.models.plane_beam import PlaneBeams, plane_beams
 from solver.models.subsystem import Subsystem
-from solver.verification.vehicles import sprung_masses
 
 MASS, GRAVITY, SPEED = 1000.0, 9.81, 20.0
 WEIGHT = MASS * GRAVITY

@@ -23,8 +23,8 @@ from solver.methods import (
     Settings,
     Wheels,
 )
+from solver.methods.vehicles import plane_masses
 from solver.models.subsystem import Subsystem
-from solver.verification.vehicles import plane_masses
 from tests.solver import platform_case as case
 
 

@@ -23,9 +23,9 @@ from solver.methods import (
     StepState,
     Wheels,
 )
+from solver.methods.vehicles import plane_masses
 from solver.models.plane_beam import PlaneBeams, plane_beams
 from solver.models.subsystem import Subsystem
-from solver.verification.vehicles import plane_masses
 from tests.solver import platform_case as case
 
 SETTINGS = Settings(method=HHT(0.0, 1e-3), n_step=20)

@@ -9,13 +9,13 @@ import pytest
 
 from solver.integrators.hht import HHT
 from solver.methods import DirectMethod, PrescribedSpeed, Problem, Settings, StepState
+from solver.methods.vehicles import GRAVITY, Vehicle, sprung_masses
 from solver.models.plane_beam import PlaneBeams, plane_beams
 from solver.verification import Case, cases
 from solver.verification.case import Findings
 from solver.verification.energy import EnergyAccount
 from solver.verification.equilibrium import EquilibriumCheck
 from solver.verification.series_spring import SeriesSpring
-from solver.verification.vehicles import GRAVITY, Vehicle, sprung_masses
 
 _SOME_SECONDS = {
     "cycloid", "inclined-beam", "moving-mass", "sprung-mass", "study-two-spans", "time-integration",

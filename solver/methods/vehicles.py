@@ -1,4 +1,4 @@
-"""The simple vehicles of the cases, and the structure that is none."""
+"""Simple vehicles: sprung masses, and masses that move in a vertical plane."""
 
 from __future__ import annotations
 
