@@ -5,37 +5,52 @@ from __future__ import annotations
 import signal
 import socket
 from collections.abc import AsyncGenerator, Callable
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
-from pathlib import Path
+from contextlib import AbstractAsyncContextManager, ExitStack, asynccontextmanager
 from types import FrameType
 
 import uvicorn
 from fastapi import FastAPI
-from sqlalchemy.exc import SQLAlchemyError
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
 
 from server import viewer
+from server.coordinate import (
+    CoordinatorProcess,
+    StartError,
+    new_coordinator,
+    open_database,
+    require_usable,
+)
 from server.errors import install_errors
-from server.jobs.coordinator import Coordinator
-from server.jobs.lock import FolderInUseError, FolderLock
-from server.jobs.process import Compute
-from server.jobs.submission import stored_study
-from server.jobs.worker import run_task
-from server.routes import events, jobs, login, meta, pages, plots, runs, studies, templates
+from server.jobs.lock import queue_lock
+from server.jobs.orders import Compute
+from server.jobs.worker import run_order
+from server.routes import (
+    events,
+    jobs,
+    login,
+    meta,
+    pages,
+    plots,
+    requests,
+    runs,
+    studies,
+    templates,
+)
 from server.routes.body import BodyGuard
+from server.routes.changes import Changes
 from server.routes.drawing import DrawingProcess
 from server.routes.openapi import describe_studies
+from server.routes.outages import install_outages
 from server.routes.schemas import ProblemDocument
-from server.routes.service import Changes, Service
+from server.routes.service import Service
 from server.security import Access, Guard
 from server.settings import Settings
-from server.store import Database, RunReader, SchemaVersionError
+from server.store import Database, Place, RunReader, open_place
+from server.version import package_version
 
 __all__ = ["StartError", "create_app", "serve_until_stopped"]
 
-DATABASE = "trainbridge.sqlite"
-"""Name of the database in the data folder."""
 _GRACE_SECONDS = 3
 """Time for open requests when the server stops. [s]"""
 _BACKLOG = 2048
@@ -49,7 +64,7 @@ _PROBLEM = {
 }
 
 
-def create_app(settings: Settings, *, compute: Compute = run_task) -> FastAPI:
+def create_app(settings: Settings, *, compute: Compute = run_order) -> FastAPI:
     """The application of one data folder.
 
     Args:
@@ -62,7 +77,7 @@ def create_app(settings: Settings, *, compute: Compute = run_task) -> FastAPI:
     access = Access(allowed_hosts=settings.allowed_hosts, token=settings.token)
     app = FastAPI(
         title="Trainbridge",
-        version=meta.package_version(),
+        version=package_version(),
         description=(
             "Dynamic interaction of train, track and bridge. All values are SI; the unit that "
             "people read stands beside each field as ``unit``."
@@ -80,7 +95,8 @@ def create_app(settings: Settings, *, compute: Compute = run_task) -> FastAPI:
     app.state.access = access
     app.state.changes = Changes()
     install_errors(app)
-    for module in (meta, templates, studies, jobs, events, runs, plots, login, pages):
+    install_outages(app)
+    for module in (meta, templates, studies, jobs, requests, events, runs, plots, login, pages):
         app.include_router(module.router)
 
     def open_reader(run: str) -> RunReader:
@@ -98,44 +114,80 @@ def _lifespan(
 ) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
-        with FolderLock(settings.data):
-            service = _open_service(app, settings, compute)
+        with ExitStack() as held:
+            service = await run_in_threadpool(_open_service, app, settings, compute, held)
             app.state.service = service
             service.changes.bind()
-            await run_in_threadpool(service.coordinator.start)
             try:
                 yield
             finally:
                 service.changes.end()
-                service.drawing.close()
-                await run_in_threadpool(service.coordinator.stop)
-                service.database.close()
+                await run_in_threadpool(held.close)
 
     return lifespan
 
 
-def _open_service(app: FastAPI, settings: Settings, compute: Compute) -> Service:
+def _open_service(app: FastAPI, settings: Settings, compute: Compute, held: ExitStack) -> Service:
+    """Opens everything that routes work with, and starts the coordinator that the settings ask for.
+
+    Args:
+        app: Knows the changes that wake event streams.
+        settings: The settings.
+        compute: What a batch's process does.
+        held: Takes what has to be closed, in the opposite order, when the server stops.
+    """
     changes: Changes = app.state.changes
-    database = Database(settings.data / DATABASE)
+    database = open_database(settings)
+    held.callback(database.close)
+    store = open_place(settings.store_url)
+    wake, queue_alive = _start_coordinator(app, settings, compute, database, store, held)
+    drawing = DrawingProcess(
+        pending=settings.limits.pending_figures, seconds=settings.figure_seconds
+    )
+    held.callback(drawing.close)
     return Service(
         settings=settings,
         database=database,
-        coordinator=Coordinator(
-            database,
-            settings,
-            read_study=stored_study,
-            compute=compute,
-            on_change=changes.notify,
-        ),
-        drawing=DrawingProcess(
-            pending=settings.limits.pending_figures, seconds=settings.figure_seconds
-        ),
+        store=store,
+        drawing=drawing,
+        wake=wake,
+        queue_alive=queue_alive,
         changes=changes,
     )
 
 
-class StartError(Exception):
-    """Why the server cannot start; the text says what to do."""
+def _start_coordinator(
+    app: FastAPI,
+    settings: Settings,
+    compute: Compute,
+    database: Database,
+    store: Place,
+    held: ExitStack,
+) -> tuple[Callable[[], None], Callable[[], bool] | None]:
+    """A thread for the local engine, a process for the others, or none: how to wake it, and
+    whether it works (None where it is somewhere else)."""
+    changes: Changes = app.state.changes
+    if settings.coordinator and settings.engine == "local":
+        lock = held.enter_context(queue_lock(settings, database))
+        coordinator = new_coordinator(
+            settings, database, store, lock, compute=compute, on_change=changes.notify
+        )
+        app.state.coordinator = coordinator
+        coordinator.start()
+        held.callback(coordinator.stop)
+        return coordinator.wake, lambda: coordinator.alive
+    changes.follow(database.last_event, settings.event_poll_seconds)
+    if not settings.coordinator:
+        return _nobody, None
+    process = CoordinatorProcess(settings, compute)
+    app.state.coordinator = process
+    process.start()
+    held.callback(process.stop)
+    return _nobody, lambda: process.alive
+
+
+def _nobody() -> None:
+    """A coordinator elsewhere looks by itself."""
 
 
 class _Server(uvicorn.Server):
@@ -151,12 +203,12 @@ class _Server(uvicorn.Server):
 
 
 def serve_until_stopped(settings: Settings) -> None:
-    """Serves one data folder until SIGTERM or Ctrl-C.
+    """Serves until SIGTERM or Ctrl-C.
 
     Raises:
-        StartError: The folder or the port is in use, or the folder is of another version.
+        StartError: Database, store, queue or port cannot be used.
     """
-    _require_usable(settings.data)
+    require_usable(settings, lock=settings.coordinator)
     listener = _listen(settings.host, settings.port)
     app = create_app(settings)
     config = uvicorn.Config(
@@ -174,17 +226,6 @@ def serve_until_stopped(settings: Settings) -> None:
         # uvicorn raises the signal again when it has stopped: being asked to stop is no failure.
         signal.signal(number, lambda *_: None)
     _Server(config, app.state.changes).run(sockets=[listener])
-
-
-def _require_usable(data: Path) -> None:
-    """Finds out before the server starts what would stop it."""
-    try:
-        with FolderLock(data):
-            Database(data / DATABASE).close()
-    except (FolderInUseError, SchemaVersionError) as error:
-        raise StartError(str(error)) from error
-    except SQLAlchemyError as error:
-        raise StartError(f"The database in {data} cannot be used: {error}.") from error
 
 
 def _listen(host: str, port: int) -> socket.socket:

@@ -5,13 +5,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from solver.arrays import SparseMatrix, Vector
+from solver.arrays import Arrays, SparseMatrix, Vector, attributes_of, below, put_back, under
 from solver.errors import InputError, UnstableError
+from solver.factorisation import Condense
 from solver.integrators import HHT, HHTIntegrator, Motion
 from solver.results import Frame, RunPlan, Sample
 from solver.system import Coefficients, EffectiveSystem, System
@@ -83,6 +86,14 @@ class Extremes:
         np.minimum(self.least, values, out=self.least)
         np.maximum(self.greatest, values, out=self.greatest)
 
+    def state(self) -> Arrays:
+        """Copies of the four arrays."""
+        return attributes_of(self)
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Takes what ``state`` gave."""
+        put_back(self, state)
+
 
 class Simulation:
     """One time integration.
@@ -92,6 +103,8 @@ class Simulation:
         system: Train, rails, structure; the train's freedoms are then counted from its rest.
         method: Time integration.
         observation: What is recorded.
+        static: The static start of this system where it is known; None finds it.
+        condenser: What factorises the structure; None does it anew.
 
     Raises:
         SingularSystemError: Train or structure can move without resistance.
@@ -99,16 +112,25 @@ class Simulation:
     """
 
     def __init__(
-        self, plan: RunPlan, system: System, method: HHT, observation: Observation
+        self,
+        plan: RunPlan,
+        system: System,
+        method: HHT,
+        observation: Observation,
+        *,
+        static: StaticState | None = None,
+        condenser: Condense | None = None,
     ) -> None:
         self.plan = plan
         self.method = method
         self._observation = observation
-        self.static = static_state(system)
+        self.static = static_state(system) if static is None else static
         if system.unilateral:
             _refuse_tension(plan, self.static.contact_forces)
         self.system = replace(system, train=system.train.from_rest(self.static.train))
-        self.effective = EffectiveSystem(self.system, effective_coefficients(method))
+        self.effective = EffectiveSystem(
+            self.system, effective_coefficients(method), condenser=condenser
+        )
         self.integrator = HHTIntegrator(method, self.effective, _motions(self.static))
         static = self.static
         self.effective.stand(static.contact_forces, static.pad_forces, static.compression)
@@ -153,6 +175,59 @@ class Simulation:
             self._step += 1
             yield self._sample(self._step)
 
+    # -- checkpoints ---------------------------------------------------------------------------
+
+    @property
+    def step(self) -> int:
+        """Steps taken so far."""
+        return self._step
+
+    def state(self) -> Arrays:
+        """Copies of all that the next step, the extremes and the facts depend on.
+
+        What the study alone decides (matrices, factors, static start) is not in it: a simulation
+        made of the same study has them already.
+
+        Returns:
+            Flat names such as ``motions/0/displacement``; numbers as arrays without axes.
+        """
+        return {
+            "step": np.array(self._step),
+            "plan": self._plan_numbers(),
+            **under("motions", self.integrator.state()),
+            **under("system", self.effective.kept_state()),
+            **under("extremes", self.extremes.state()),
+        }
+
+    def _plan_numbers(self) -> Vector:
+        """By what runs differ whose arrays have the same shapes."""
+        plan, method, system = self.plan, self.method, self.system
+        law = system.nonlinear_hertz
+        return np.array(
+            [
+                plan.n_step, plan.time_step, plan.speed, plan.start_position,
+                method.alpha, method.beta, method.gamma, system.contact_compliance,
+                0.0 if law is None else law.coefficient, system.unilateral,
+            ]
+        )  # fmt: skip
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Goes to where another simulation of the same study stood when ``state`` was called.
+
+        ``samples`` then yields that step again, and goes on from there: bit for bit what a
+        simulation that was never interrupted gives on the same machine.
+
+        Raises:
+            InputError: The state is of another study.
+        """
+        _require_same_study(self.state(), state)
+        self.integrator.restore(below("motions", state))
+        self.effective.restore(below("system", state))
+        self.extremes.restore(below("extremes", state))
+        self._step = int(state["step"])
+
+    # -- what is recorded ----------------------------------------------------------------------
+
     def _sample(self, step: int) -> Sample:
         observation, motions = self._observation, self.integrator.motions
         deck, train = motions[observation.deck_part], self.system.train
@@ -191,6 +266,26 @@ class Simulation:
         rails[:, 2] = observation.rails @ motions[LINES].displacement.ravel()
         bodies = np.asarray(observation.bodies @ motions[TRAIN].displacement).reshape(-1, 3)
         return Frame(displacement=np.concatenate([surface, rails]), bodies=bodies)
+
+
+def _require_same_study(own: Arrays, given: Mapping[str, NDArray[Any]]) -> None:
+    """Refuses a state whose names, shapes, kinds or plan are not the simulation's own."""
+    different = sorted(own.keys() ^ given.keys()) or [
+        name
+        for name, value in own.items()
+        if value.shape != given[name].shape or value.dtype != given[name].dtype
+    ]
+    if not different and not np.array_equal(own["plan"], given["plan"]):
+        different = ["plan"]
+    if not different and not 0 <= int(given["step"]) <= own["plan"][0]:
+        different = ["step"]
+    if different:
+        raise InputError(
+            "state",
+            different[0],
+            "is not what a simulation of this study keeps: the state is of another one",
+            "Prepare the study and the run that the state was taken from.",
+        )
 
 
 def _refuse_tension(plan: RunPlan, contact_forces: Vector) -> None:

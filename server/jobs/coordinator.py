@@ -1,94 +1,117 @@
 """The coordinator: the only one who changes the state of runs.
 
-A thread of the server process. It starts one process a batch, listens to them, ends those that are
-cancelled or beyond a limit, and writes what happened to the database. Workers never touch the
-database; routes only add jobs and ask for cancellation.
+It takes batches from the queue to an engine, listens to what the engine tells, and writes what
+happened to the database. Workers never touch the database; routes only add jobs and leave requests
+there. A thread of the server, or a process of its own (``trainbridge coordinator``).
 """
 
 from __future__ import annotations
 
 import logging
-import multiprocessing
-import shutil
 import threading
 import time
 from collections.abc import Callable, Mapping
-from multiprocessing.connection import Connection, wait
-from typing import Any
+from typing import Any, Protocol
 
-import psutil
-
-from server.jobs.process import BatchProcess, Compute
-from server.jobs.states import ENDED, Event, State, job_state, next_state
-from server.jobs.supervision import Supervised
-from server.jobs.worker import RunTask, Task, run_task
+from server.jobs.attempts import Attempt, RunOutcome, order_for
+from server.jobs.engine import Engine, EngineError
+from server.jobs.ledger import Ledger
+from server.jobs.lock import FolderInUseError
+from server.jobs.orders import Compute, Order, Report
+from server.jobs.requests import Requested
+from server.jobs.states import Event
+from server.jobs.worker import run_order
 from server.settings import Settings
-from server.store import BatchRecord, Database, NewEvent, attempt_folder
+from server.store import BatchRecord, Database, NewEvent, Place
 
-__all__ = ["Coordinator"]
+__all__ = ["Coordinator", "Lock"]
 
 _log = logging.getLogger("trainbridge.jobs")
 
 _KEEP_PROGRESS = 600.0
 """Progress events are kept this long, for streams that reconnect. [s]"""
 _RETRY_SECONDS = 1.0
-"""Pause after the database or the disk refused. [s]"""
+"""Pause after the database, the disk or the engine refused. [s]"""
+_HOUSEKEEPING_SECONDS = 5.0
+"""How often the lock, old events and old jobs are looked at. [s]"""
+_MOST_EVENTS = 5000
+"""Events that wait for a database that is away; the oldest progress goes first."""
+
+
+class Lock(Protocol):
+    """Holds the queue for one coordinator."""
+
+    def ensure(self) -> None:
+        """Makes sure that it is still held, or takes it again.
+
+        Raises:
+            FolderInUseError: Another coordinator has it.
+        """
+        ...
 
 
 class Coordinator:
-    """Moves batches from the queue through their processes to their end."""
+    """Moves batches from the queue through an engine to their end."""
 
     def __init__(
         self,
         database: Database,
+        store: Place,
         settings: Settings,
+        engine: Engine,
+        lock: Lock,
         *,
-        read_study: Callable[[Mapping[str, Any]], Any],
-        compute: Compute = run_task,
+        compute: Compute = run_order,
         on_change: Callable[[], None] = lambda: None,
     ) -> None:
         """Does nothing before ``start``.
 
         Args:
             database: The queue.
+            store: Where results lie.
             settings: Limits and intervals.
-            read_study: A study from its stored JSON.
+            engine: Where batches compute.
+            lock: Of this queue, held.
             compute: What a batch's process does.
             on_change: Called after events were stored, from the coordinator's thread.
         """
         self._database = database
         self._settings = settings
-        self._read_study = read_study
+        self._engine = engine
+        self._lock = lock
         self._compute = compute
         self._on_change = on_change
-        self._running: dict[str, Supervised] = {}
+        self._ledger = Ledger(database, store, settings.attempts_limit)
+        self._attempts: dict[str, Attempt] = {}
+        self._requested = Requested(database, store, self._ledger, engine, self._attempts)
         self._progress: dict[tuple[str, int], Mapping[str, Any]] = {}
         self._events: list[NewEvent] = []
-        self._stored_at = 0.0
-        self._looked_at = 0.0
+        self._checkpoints: dict[str, Attempt] = {}
+        self._stored_at = self._looked_at = self._kept_house_at = 0.0
+        self._begun = False
         self._stopping = threading.Event()
-        self._wake_reader, self._wake_writer = multiprocessing.Pipe(duplex=False)
         self._thread = threading.Thread(target=self._run, name="coordinator", daemon=True)
+        self.trouble = ""
+        """Why nothing computes now, empty for none."""
 
     def start(self) -> None:
-        """Puts lost runs back into the queue and begins."""
-        self._recover()
+        """Begins, in a thread: the engine may take seconds to be ready."""
         self._thread.start()
 
     def wake(self) -> None:
         """Says that there is something new in the queue."""
-        if not self._stopping.is_set():
-            self._wake_writer.send_bytes(b"!")
+        self._looked_at = 0.0
+        self._engine.wake()
 
     def stop(self) -> None:
-        """Ends every process; their runs go back into the queue."""
+        """Lets go of the engine; what it stopped goes back into the queue."""
         self._stopping.set()
-        self._wake_writer.send_bytes(b"!")
+        self._engine.wake()
         self._thread.join()
-        for supervised in self._running.values():
-            supervised.process.close()
-            self._settle(supervised.batch, Event.LOSE)
-        self._running.clear()
+
+    def join(self) -> None:
+        """Waits until the coordinator has stopped by itself."""
+        self._thread.join()
 
     @property
     def alive(self) -> bool:
@@ -98,167 +121,204 @@ class Coordinator:
     @property
     def process_ids(self) -> list[int]:
         """Processes that compute now."""
-        return [item.process.pid for item in list(self._running.values())]
+        return [item.process for item in list(self._attempts.values()) if item.process]
 
     # The loop.
 
     def _run(self) -> None:
         while not self._stopping.is_set():
             try:
+                if not self._begun:
+                    self._begin()
                 self._turn()
-            except Exception:
+                self.trouble = ""
+            except FolderInUseError as error:
+                self.trouble = str(error)
+                _log.error("the coordinator ends: %s", error)
+                break
+            except EngineError as error:
+                self._pause("the engine is away", error)
+            except Exception as error:
                 # A full disk or a locked database must not end the queue: say so, and try again.
-                _log.exception("the queue met an error and goes on")
-                self._stopping.wait(_RETRY_SECONDS)
+                self._pause("the queue met an error and goes on", error)
+        self._let_go()
+
+    def _pause(self, what: str, error: Exception) -> None:
+        if str(error) != self.trouble:
+            _log.error("%s: %s", what, error, exc_info=not isinstance(error, EngineError))
+        self.trouble = str(error)
+        # What was begun just then may be written or not, may have reached the engine or not.
+        self._begun = self._begun and not isinstance(error, EngineError)
+        self._kept_house_at = 0.0
+        self._stopping.wait(_RETRY_SECONDS)
+
+    def _begin(self) -> None:
+        """Connects the engine, and finds out what of earlier attempts still computes."""
+        self._engine.start()
+        lost = self._reattach([*self._attempts.values(), *self._unknown_attempts()])
+        for attempt in lost:
+            attempt.ended = attempt.ended or RunOutcome(event=Event.LOSE)
+        for attempt in self._attempts.values():
+            if attempt.batch.purpose == "runs" and not attempt.open_runs:
+                # Cancelled by a coordinator that did not live to say so to the engine.
+                self._engine.cancel(attempt.key)
+        self._begun = True
+        self._settle_ended()
+
+    def _unknown_attempts(self) -> list[Attempt]:
+        """Attempts that the database has and this coordinator does not know."""
+        found = [
+            Attempt(batch=batch, order=self._order(batch))
+            for batch in self._database.running_batches()
+        ]
+        return [attempt for attempt in found if attempt.key not in self._attempts]
+
+    def _reattach(self, attempts: list[Attempt]) -> list[Attempt]:
+        alive = self._engine.reattach([attempt.order for attempt in attempts])
+        self._attempts.update({attempt.key: attempt for attempt in attempts})
+        return [attempt for attempt in attempts if attempt.key not in alive]
 
     def _turn(self) -> None:
-        self._dispatch()
-        self._listen()
         now = time.monotonic()
-        if now - self._looked_at >= self._settings.poll_seconds:
+        if now - self._kept_house_at >= _HOUSEKEEPING_SECONDS:
+            self._keep_house()
+            self._kept_house_at = now
+        if now - self._looked_at >= self._settings.queue_poll_seconds:
             self._looked_at = now
-            self._enforce_limits(now)
-        self._cancel_requested()
-        if now - self._stored_at >= self._settings.progress_seconds:
+            if self._requested.obey():
+                self._on_change()
+            self._dispatch()
+        self._listen()
+        if time.monotonic() - self._stored_at >= self._settings.progress_seconds:
             self._store_progress()
-        self._collect_ended()
+        self._settle_ended()
+
+    def _keep_house(self) -> None:
+        self._lock.ensure()
+        for attempt in self._reattach(self._unknown_attempts()):
+            attempt.ended = RunOutcome(event=Event.LOSE)
+        self._database.drop_old_progress(time.time() - _KEEP_PROGRESS)
+        if self._settings.retention_days:
+            for job in self._database.expired_jobs(
+                time.time() - 86400 * self._settings.retention_days
+            ):
+                self._database.request_delete(job)
 
     def _dispatch(self) -> None:
-        free = self._settings.concurrent_batches - len(self._running)
+        free = self._engine.free_slots()
         if free <= 0:
             return
         for batch in self._database.queued_batches(free):
-            self._start(batch)
+            # `running` with the next attempt is committed before anything computes.
+            started = self._database.start_batch(batch)
+            if started is None:
+                continue
+            order = self._order(started)
+            self._attempts[order.key] = Attempt(batch=started, order=order)
+            self._engine.run(order)
+            self._on_change()
 
-    def _start(self, batch: BatchRecord) -> None:
-        """Commits ``running`` with the next attempt, then starts the process."""
-        attempt = batch.attempt + 1
-        if not self._settle(batch, Event.START, attempt=attempt):
-            return
-        started = self._database.batch(batch.id)
-        tasks = tuple(
-            RunTask(
-                id=run.id,
-                index=run.index,
-                folder=attempt_folder(self._settings.data, run.id, attempt),
-            )
-            for run in started.runs
-        )
-        for task in tasks:
-            shutil.rmtree(task.folder.parent, ignore_errors=True)
-        try:
-            task = Task(
-                kind=batch.kind,
-                study=self._read_study(batch.study),
-                runs=tasks,
-                progress_seconds=self._settings.progress_seconds,
-            )
-            process = BatchProcess(task, self._compute)
-        except Exception as error:
-            _log.exception("batch %s could not be started", batch.id)
-            self._settle(started, Event.FAIL, error=f"The run could not be started: {error}")
-            return
-        self._running[batch.id] = Supervised(
-            batch=started,
-            process=process,
-            started=time.monotonic(),
-            memory_limit=self._memory_limit(),
-        )
+    def _order(self, batch: BatchRecord) -> Order:
+        gathered = ()
+        if batch.purpose == "gather":
+            gathered = self._database.runs_of([batch.job])[batch.job]
+        return order_for(batch, self._settings, self._compute, gathered)
 
-    def _memory_limit(self) -> int:
-        limits = self._settings.limits
-        if limits.batch_bytes:
-            return limits.batch_bytes
-        return int(limits.memory_fraction * psutil.virtual_memory().available)
+    # What the engine tells.
 
     def _listen(self) -> None:
-        """Waits for messages, ends of processes or a wake-up, and takes what is there."""
-        sources: dict[Any, Supervised | None] = {self._wake_reader: None}
-        for item in self._running.values():
-            sources[item.process.sentinel] = item
-            if not item.silent:
-                sources[item.process.connection] = item
         pending = bool(self._progress or self._events)
-        timeout = self._settings.progress_seconds if pending else self._settings.poll_seconds
-        for source in wait(list(sources), timeout):
-            item = sources[source]
-            if item is None:
-                while self._wake_reader.poll():
-                    self._wake_reader.recv_bytes()
-            elif isinstance(source, Connection):
-                self._take_messages(item)
+        poll = self._settings.queue_poll_seconds
+        timeout = self._settings.progress_seconds if pending else poll
+        left = self._looked_at + poll - time.monotonic()
+        for report in self._engine.reports(max(0.0, min(timeout, left))):
+            attempt = self._attempts.get(report.key)
+            if attempt is not None:
+                self._take(attempt, report)
 
-    def _take_messages(self, item: Supervised) -> None:
-        for run, report in item.take_messages():
-            batch = item.batch
-            told = {"attempt": batch.attempt, **report}
-            self._events.append(NewEvent(job=batch.job, run=run, kind="progress", data=told))
-            self._progress[run, batch.attempt] = {
-                name: value for name, value in report.items() if name != "points"
-            }
+    def _take(self, attempt: Attempt, report: Report) -> None:
+        data, run = report.data, report.run
+        if report.kind == "started":
+            attempt.process = data.get("process", 0)
+            where = data.get("worker", "this machine")
+            self._note(attempt, run, f"attempt {attempt.batch.attempt} begins on {where}")
+        elif report.kind == "progress":
+            self._take_progress(attempt, run, data)
+        elif report.kind == "checkpoint":
+            attempt.checkpoint_step = data["step"]
+            self._checkpoints[attempt.key] = attempt
+            self._note(attempt, run, f"checkpoint of step {data['step']} stored")
+        elif report.kind == "log":
+            self._note(attempt, run, data["text"])
+        elif report.kind == "ended":
+            attempt.ended = RunOutcome(event=Event(data["event"]), error=data["error"])
+        else:
+            attempt.outcomes[run] = _outcome(report)
 
-    def _enforce_limits(self, now: float) -> None:
-        for item in self._running.values():
-            item.enforce(now, self._settings.limits.batch_seconds, self._settings.grace_seconds)
+    def _take_progress(self, attempt: Attempt, run: str, report: Mapping[str, Any]) -> None:
+        batch = attempt.batch
+        told = {"attempt": batch.attempt, **report}
+        self._events.append(NewEvent(job=batch.job, run=run, kind="progress", data=told))
+        self._progress[run, batch.attempt] = {
+            name: value for name, value in report.items() if name != "points"
+        }
+        if attempt.stages.get(run) != report["stage"]:
+            attempt.stages[run] = report["stage"]
+            self._note(attempt, run, report["stage"])
 
-    def _cancel_requested(self) -> None:
-        for job in self._database.cancel_requests():
-            for batch in self._database.queued_batches_of(job):
-                self._settle(batch, Event.CANCEL)
-            for item in self._running.values():
-                if item.batch.job == job:
-                    item.end(Event.CANCEL, "")
-
-    def _collect_ended(self) -> None:
-        for item in [item for item in self._running.values() if not item.process.alive]:
-            self._take_messages(item)
-            self._store_progress()
-            event, error = item.outcome()
-            item.process.close()
-            del self._running[item.batch.id]
-            self._settle(item.batch, event, error=error, verdicts=item.verdicts)
-            self._database.drop_old_progress(time.time() - _KEEP_PROGRESS)
+    def _note(self, attempt: Attempt, run: str, text: str) -> None:
+        batch = attempt.batch
+        owner = run or (batch.runs[0].id if len(batch.runs) == 1 else None)
+        self._events.append(NewEvent(job=batch.job, run=owner, kind="log", data={"text": text}))
 
     # The database.
 
     def _store_progress(self) -> None:
         self._stored_at = time.monotonic()
+        for attempt in list(self._attempts.values()):
+            # A batch of one run is settled as a whole: its process ends with its run.
+            if attempt.outcomes and len(attempt.batch.runs) > 1 and attempt.ended is None:
+                self._ledger.settle_runs(attempt)
+        for attempt in list(self._checkpoints.values()):
+            self._database.note_checkpoint(attempt.batch, attempt.checkpoint_step)
+        self._checkpoints.clear()
         if not (self._progress or self._events):
             return
+        del self._events[:-_MOST_EVENTS]
         self._database.record(self._progress, self._events)
         self._progress, self._events = {}, []
         self._on_change()
 
-    def _settle(
-        self,
-        batch: BatchRecord,
-        event: Event,
-        *,
-        attempt: int | None = None,
-        error: str | None = None,
-        verdicts: Mapping[str, Any] | None = None,
-    ) -> bool:
-        """Moves a batch by an event; False where it was moved by someone else before."""
-        state = next_state(State(batch.state), event)
-        now = time.time()
-        values: dict[str, Any] = {"state": str(state), "error": error or None}
-        if state is State.RUNNING:
-            values |= {"started": now, "progress": {}}
-        if state in ENDED:
-            values |= {"ended": now}
-        moved = self._database.change_batch(
-            batch,
-            state=str(state),
-            attempt=batch.attempt if attempt is None else attempt,
-            runs={
-                run.id: values | {"verdicts": (verdicts or {}).get(run.id)} for run in batch.runs
-            },
-            job_state=lambda states: str(job_state(State(item) for item in states)),
-        )
+    def _settle_ended(self) -> None:
+        ended = [attempt for attempt in self._attempts.values() if attempt.ended is not None]
+        if not ended:
+            return
+        self._store_progress()
+        for attempt in ended:
+            assert attempt.ended is not None
+            self._ledger.end_attempt(attempt)
+            self._note(attempt, "", _last_note(attempt.ended))
+            del self._attempts[attempt.key]
+        self._looked_at = 0.0
         self._on_change()
-        return moved
 
-    def _recover(self) -> None:
-        """Runs that were computing when the last server died go back into the queue."""
-        for batch in self._database.running_batches():
-            self._settle(batch, Event.LOSE)
+    def _let_go(self) -> None:
+        try:
+            self._engine.stop()
+            self._listen()
+            self._settle_ended()
+        except Exception:
+            # The database says `running`: whoever comes next finds out what became of it.
+            _log.exception("the coordinator could not write its last word")
+
+
+def _outcome(report: Report) -> RunOutcome:
+    if report.kind == "finished":
+        return RunOutcome(event=Event.FINISH, verdicts=report.data.get("verdicts", []))
+    if report.kind == "cancelled":
+        return RunOutcome(event=Event.CANCEL)
+    return RunOutcome(event=Event.FAIL, error=report.data.get("error", ""))
+
+
+def _last_note(ended: RunOutcome) -> str:
+    return f"the attempt ended: {ended.event}{f' ({ended.error})' if ended.error else ''}"

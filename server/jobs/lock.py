@@ -1,17 +1,92 @@
-"""One server for a data folder: a lock of the operating system, which dies with its holder."""
+"""One coordinator for a queue: a lock that dies with its holder.
+
+Of the operating system on a data folder, of the database where that is PostgreSQL.
+"""
 
 from __future__ import annotations
 
 import os
 import sys
+import time
 from pathlib import Path
 from types import TracebackType
 
-__all__ = ["FolderInUseError", "FolderLock"]
+from server.settings import Settings
+from server.store import AdvisoryLock, Database, LockHeldError
+
+__all__ = ["DatabaseLock", "FolderInUseError", "FolderLock", "queue_lock"]
+
+
+_PATIENCE = 3.0
+"""The database needs a moment to notice that a holder was killed. [s]"""
+_LOOK_AGAIN = 0.2
+"""Time between two looks. [s]"""
 
 
 class FolderInUseError(Exception):
-    """Another server works in the data folder."""
+    """Another server works on the data folder or on the database."""
+
+
+def queue_lock(settings: Settings, database: Database) -> FolderLock | DatabaseLock:
+    """Takes the lock of a queue.
+
+    Raises:
+        FolderInUseError: Another coordinator holds it.
+        sqlalchemy.exc.OperationalError: The database does not answer.
+    """
+    if database.engine.dialect.name == "postgresql":
+        return DatabaseLock(database)
+    return FolderLock(settings.data)
+
+
+class DatabaseLock:
+    """Holds a PostgreSQL database until it is released or the connection is lost."""
+
+    def __init__(self, database: Database) -> None:
+        """Takes the lock.
+
+        Raises:
+            FolderInUseError: Another coordinator holds it.
+        """
+        self._database = database
+        self._lock: AdvisoryLock | None = None
+        limit = time.monotonic() + _PATIENCE
+        while self._lock is None:
+            try:
+                self.ensure()
+            except FolderInUseError:
+                if time.monotonic() > limit:
+                    raise
+                time.sleep(_LOOK_AGAIN)
+
+    def ensure(self) -> None:
+        """Takes the lock again where its connection was lost.
+
+        Raises:
+            FolderInUseError: Another coordinator has it by now.
+        """
+        if self._lock is not None and self._lock.held():
+            return
+        try:
+            self._lock = AdvisoryLock(self._database)
+        except LockHeldError as error:
+            raise FolderInUseError(str(error)) from error
+
+    def release(self) -> None:
+        """Gives the database free."""
+        if self._lock is not None:
+            self._lock.release()
+
+    def __enter__(self) -> DatabaseLock:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.release()
 
 
 class FolderLock:
@@ -40,6 +115,9 @@ class FolderLock:
             )
         os.ftruncate(self._file, 0)
         os.write(self._file, str(os.getpid()).encode())
+
+    def ensure(self) -> None:
+        """Nothing to do: nobody can take the lock of a process that lives."""
 
     def release(self) -> None:
         """Gives the folder free."""

@@ -10,7 +10,15 @@ import atexit
 import os
 from importlib import import_module
 
-for name in ("numpy", "scipy.sparse.linalg", "zarr", "pydantic", "server.jobs.worker"):
+for name in (
+    "numpy",
+    "scipy.sparse.linalg",
+    "scipy.optimize",
+    "scipy.signal",
+    "zarr",
+    "pydantic",
+    "server.jobs.worker",
+):
     import_module(name)
 
 atexit.register(os._exit, 0)

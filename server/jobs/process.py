@@ -1,35 +1,50 @@
-"""Child processes: how they start, and how they never outlive their server.
+"""Child processes: how they start, and how they never outlive their supervisor.
 
 Children come from a forkserver that has numpy and the solver loaded already, so that one starts in
-milliseconds. The forkserver's environment holds one BLAS thread a process and MKL's repeatable
-code path: the same run gives the same bits again.
+milliseconds. The forkserver's environment holds one BLAS thread a process: the same run gives the
+same bits again.
 """
 
 from __future__ import annotations
 
+import faulthandler
 import multiprocessing
 import os
 import signal
 import sys
 import threading
+import time
 import traceback
-from collections.abc import Callable
 from multiprocessing.connection import Connection
+from types import FrameType
 from typing import Any
 
 import psutil
 
 from server.jobs.environment import SINGLE_THREAD, single_threaded
-from server.jobs.worker import Send, Task
+from server.jobs.orders import Commands, Order
 from solver.errors import SolverError
 
-__all__ = ["BatchProcess", "Compute", "child_context", "end_with_parent"]
+__all__ = [
+    "STOPPED",
+    "BatchProcess",
+    "StoppedError",
+    "child_context",
+    "end_forkserver",
+    "end_with_parent",
+]
 
-Compute = Callable[[Task, Send], None]
-"""Computes a batch in its own process; a function of a module, so that it can be named."""
+STOPPED = 143
+"""Exit code of a process that ended because it was asked to, as of SIGTERM."""
 
 _PRELOAD = ["server.jobs.preload"]
+_FAREWELL = 1.0
+"""Time that a forkserver takes to end, at most. [s]"""
 _start = threading.Lock()
+
+
+class StoppedError(BaseException):
+    """The process was asked to end: no ``Exception``, so that nothing takes it for a failure."""
 
 
 def child_context() -> Any:
@@ -40,6 +55,25 @@ def child_context() -> Any:
         context.set_forkserver_preload(_PRELOAD)
         _ensure_forkserver()
     return context
+
+
+def end_forkserver() -> None:
+    """Frees the forkserver's memory where it has no child; the next child starts another one."""
+    with _start:
+        for process in psutil.Process().children():
+            try:
+                if "forkserver" in " ".join(process.cmdline()) and not process.children():
+                    _end(process)
+            except psutil.Error:
+                continue
+
+
+def _end(forkserver: psutil.Process) -> None:
+    """Not waited for: multiprocessing itself takes note of its end, when it needs another one."""
+    forkserver.terminate()
+    limit = time.monotonic() + _FAREWELL
+    while forkserver.status() != psutil.STATUS_ZOMBIE and time.monotonic() < limit:
+        time.sleep(0.005)
 
 
 def end_with_parent() -> None:
@@ -56,17 +90,30 @@ def end_with_parent() -> None:
 
 
 class BatchProcess:
-    """One batch in its own process."""
+    """One batch in its own process.
 
-    def __init__(self, task: Task, compute: Compute) -> None:
+    Attributes:
+        messages: What the batch tells.
+        errors: What it and its libraries write to the terminal: read the descriptor itself.
+    """
+
+    def __init__(self, order: Order) -> None:
         """Starts the process."""
         context = child_context()
-        self.connection, child_end = context.Pipe(duplex=False)
+        self.messages, child_messages = context.Pipe(duplex=False)
+        self.errors, child_errors = context.Pipe(duplex=False)
+        child_commands, self._commands = context.Pipe(duplex=False)
         self._process = context.Process(
-            target=_child, args=(child_end, task, compute), name="trainbridge batch", daemon=True
+            target=_child,
+            args=(child_messages, child_errors, child_commands, order),
+            name="trainbridge batch",
+            daemon=True,
         )
         self._process.start()
-        child_end.close()
+        for end in (child_messages, child_errors, child_commands):
+            end.close()
+        # Asked for often: the library's object is kept. Its number is not reused meanwhile.
+        self._watched = psutil.Process(self.pid) if self._process.is_alive() else None
 
     @property
     def sentinel(self) -> int:
@@ -91,9 +138,16 @@ class BatchProcess:
     def memory(self) -> int:
         """Resident memory, 0 when the process has ended. [B]"""
         try:
-            return psutil.Process(self.pid).memory_info().rss
+            return 0 if self._watched is None else self._watched.memory_info().rss
         except psutil.Error:
             return 0
+
+    def cancel(self, runs: tuple[str, ...]) -> None:
+        """Asks the process to leave out some runs, at their next step."""
+        try:
+            self._commands.send(runs)
+        except OSError:
+            return  # It has ended.
 
     def terminate(self) -> None:
         """Asks the process to end."""
@@ -108,34 +162,67 @@ class BatchProcess:
         if self._process.is_alive():
             self._process.kill()
         self._process.join()
-        self.connection.close()
+        for end in (self.messages, self.errors, self._commands):
+            end.close()
         self._process.close()
 
 
-def _child(connection: Connection, task: Task, compute: Compute) -> None:
-    """Computes a batch and tells how it ended: ``("failed" | "out_of_memory", text)``, or nothing
-    more after the runs' own messages."""
+def _child(messages: Connection, errors: Connection, commands: Connection, order: Order) -> None:
+    """Computes a batch and tells how it ended: ``("failed" | "out_of_memory", "", {"error"})``, or
+    nothing more after the runs' own messages."""
     end_with_parent()
-    # Ctrl-C in the terminal reaches every process of the group: the server decides.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    _write_to(errors)
+    asked = _listen(commands)
     # A library's lock (numcodecs has one) is then nameless and dies with this process, however it
     # ends; this process starts no other.
     multiprocessing.set_start_method("fork", force=True)
     # The pages stay quick while every core computes.
     os.nice(5)
     try:
-        compute(task, connection.send)
+        order.compute(order, messages.send, asked)
+    except StoppedError:
+        os._exit(STOPPED)
     except SolverError as error:
-        connection.send(("failed", str(error)))
+        messages.send(("failed", "", {"error": str(error)}))
     except MemoryError:
-        connection.send(("out_of_memory", "There was not enough memory. Try a coarser mesh."))
+        text = "There was not enough memory. Try a coarser mesh."
+        messages.send(("out_of_memory", "", {"error": text}))
     except Exception as error:
         traceback.print_exc(file=sys.stderr)
         text = f"The computation met an unexpected error ({type(error).__name__}: {error})."
-        connection.send(("failed", text[:1000]))
+        messages.send(("failed", "", {"error": text[:1000]}))
     finally:
-        connection.close()
+        messages.close()
+
+
+def _write_to(errors: Connection) -> None:
+    """Sends what this process prints, its libraries' last words too, to the supervisor."""
+    for stream in (1, 2):
+        os.dup2(errors.fileno(), stream)
+    faulthandler.enable(all_threads=False)
+
+
+def _listen(commands: Connection) -> Commands:
+    """Takes the supervisor's commands from its pipe and from SIGTERM."""
+    asked = Commands()
+
+    def read() -> None:
+        while True:
+            try:
+                asked.cancelled.update(commands.recv())
+            except (EOFError, OSError):
+                return
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        asked.stop = True
+        if not asked.stepping:
+            raise StoppedError
+
+    threading.Thread(target=read, name="commands", daemon=True).start()
+    # Ctrl-C in the terminal reaches every process of the group: the supervisor decides.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, stop)
+    return asked
 
 
 def _ensure_forkserver() -> None:

@@ -75,12 +75,14 @@ class ProgressMeter:
         self._state["stage"] = stage
         self._send()
 
-    def start(self, plan: RunPlan) -> None:
-        """Begins the steps."""
-        self._state |= {"steps": plan.n_step, "stage": "computing"}
+    def start(self, plan: RunPlan, step: int = 0) -> None:
+        """Begins the steps, after those that an earlier attempt has taken."""
+        steps = max(1, plan.n_step)
+        self._state |= {"step": step, "steps": plan.n_step, "fraction": step / steps}
+        self._state["stage"] = "computing"
         self._live = _live_channels(plan)
         self._live_stride = max(1, plan.n_sample // _CURVE_POINTS)
-        self._marks.append((self._clock(), 0))
+        self._marks.append((self._clock(), step))
         self._send()
 
     def step(self, sample: Sample) -> None:

@@ -5,8 +5,13 @@ queued --start--> running --finish--> done
    |                 |---time out---> timed_out
    |                 |-run out of memory-> out_of_memory
    |                 |----cancel----> cancelled
-   |                 `-----lose-----> queued      (its server or its process went away)
+   |                 |-----die------> queued      (its process died: tried again, three times)
+   |                 |-----stop-----> queued      (its server was asked to stop)
+   |                 `-----lose-----> queued      (its server, scheduler or worker went away)
+   |------fail-----> failed                       (what it waits for failed)
    `-----cancel----> cancelled
+
+A run that has ended leaves its state only by a retry that somebody asked for.
 """
 
 from __future__ import annotations
@@ -14,7 +19,19 @@ from __future__ import annotations
 from collections.abc import Iterable
 from enum import StrEnum
 
-__all__ = ["ENDED", "Event", "State", "TransitionError", "job_state", "next_state"]
+from server.store import JobDecision, JobView
+
+__all__ = [
+    "BACK_TO_QUEUE",
+    "ENDED",
+    "Event",
+    "State",
+    "TransitionError",
+    "deaths_after",
+    "decide_job",
+    "job_state",
+    "next_state",
+]
 
 
 class State(StrEnum):
@@ -38,6 +55,8 @@ class Event(StrEnum):
     CANCEL = "cancel"
     TIME_OUT = "time out"
     EXHAUST_MEMORY = "run out of memory"
+    DIE = "die"
+    STOP = "stop"
     LOSE = "lose"
 
 
@@ -46,16 +65,22 @@ class TransitionError(Exception):
 
 
 ENDED = frozenset({State.DONE, State.FAILED, State.CANCELLED, State.TIMED_OUT, State.OUT_OF_MEMORY})
-"""States that a run never leaves."""
+"""States that a run never leaves by itself."""
+
+BACK_TO_QUEUE = frozenset({Event.DIE, Event.STOP, Event.LOSE})
+"""Events after which a run is tried again: nothing that it did itself ended it."""
 
 _TRANSITIONS = {
     (State.QUEUED, Event.START): State.RUNNING,
+    (State.QUEUED, Event.FAIL): State.FAILED,
     (State.QUEUED, Event.CANCEL): State.CANCELLED,
     (State.RUNNING, Event.FINISH): State.DONE,
     (State.RUNNING, Event.FAIL): State.FAILED,
     (State.RUNNING, Event.CANCEL): State.CANCELLED,
     (State.RUNNING, Event.TIME_OUT): State.TIMED_OUT,
     (State.RUNNING, Event.EXHAUST_MEMORY): State.OUT_OF_MEMORY,
+    (State.RUNNING, Event.DIE): State.QUEUED,
+    (State.RUNNING, Event.STOP): State.QUEUED,
     (State.RUNNING, Event.LOSE): State.QUEUED,
 }
 
@@ -74,6 +99,20 @@ def next_state(state: State, event: Event) -> State:
         raise TransitionError(f"a {state} run cannot {event}") from None
 
 
+def deaths_after(deaths: int, event: Event, checkpointed: bool) -> int:
+    """How often in a row a batch's own process has died with no new checkpoint between.
+
+    The loss of a server, scheduler or worker says nothing about the batch and never counts.
+
+    Args:
+        deaths: Before this attempt.
+        event: How the attempt ended.
+        checkpointed: Whether the attempt stored a checkpoint.
+    """
+    before = 0 if checkpointed else deaths
+    return before + 1 if event is Event.DIE else before
+
+
 def job_state(runs: Iterable[State]) -> State:
     """The state of a job from those of its runs: done only if every run is."""
     states = set(runs)
@@ -82,3 +121,21 @@ def job_state(runs: Iterable[State]) -> State:
     if not states <= ENDED:
         return State.RUNNING
     return next((state for state in _WORST_FIRST if state in states), State.DONE)
+
+
+def decide_job(view: JobView) -> JobDecision:
+    """The state of a job, and whether its gather is due.
+
+    A job that asks for a gather gets one when its last run has ended, if any run is done and
+    nobody cancelled the job; until the gather has ended the job is running.
+    """
+    state = job_state(State(item) for item in view.runs)
+    if state is State.QUEUED and view.prepare not in (None, State.QUEUED):
+        return JobDecision(state=State.RUNNING, insert_gather=False)
+    gathers = view.wants_gather and State.DONE in view.runs and not view.cancel_requested
+    if state not in ENDED or not gathers:
+        return JobDecision(state=state, insert_gather=False)
+    if view.gather in (None, State.QUEUED, State.RUNNING):
+        return JobDecision(state=State.RUNNING, insert_gather=view.gather is None)
+    failed = view.gather == State.FAILED
+    return JobDecision(state=State.FAILED if failed else state, insert_gather=False)

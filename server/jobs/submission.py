@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from server.errors import Finding, Problem, pointer, shortened, validation_findings
 from server.jobs.variants import errors_of_chosen_kinds, kinds_of
-from server.settings import Limits
+from server.settings import LARGEST_PRIORITY, Limits
 from solver import studies
 from solver.errors import InputError
 from solver.studies import Study
@@ -43,15 +44,17 @@ class Submission:
         kind: One of ``KINDS``.
         study: The study.
         path: Where the study stands in what was sent, for pointers.
+        priority: Greater ones begin first.
     """
 
     kind: str
     study: Study
     path: tuple[str, ...] = ("study",)
+    priority: int = 0
 
 
 def read_submission(body: Any) -> Submission:
-    """A submission ``{"kind": ..., "study": {...}}`` from parsed JSON.
+    """A submission ``{"kind": ..., "priority": ..., "study": {...}}`` from parsed JSON.
 
     Raises:
         Problem: 422 with every finding.
@@ -62,12 +65,18 @@ def read_submission(body: Any) -> Submission:
     findings = [
         _finding((name,), fields[name], "is not a field here", "Remove it, or correct its name.")
         for name in fields
-        if name not in ("kind", "study")
+        if name not in ("kind", "priority", "study")
     ]
     kind = fields.get("kind", "crossing")
     if kind not in KINDS:
         findings.append(
             _finding(("kind",), kind, "is not a kind of job", f"Choose one of {', '.join(KINDS)}.")
+        )
+    priority = fields.get("priority", 0)
+    if not _is_priority(priority):
+        span = f"{-LARGEST_PRIORITY} to {LARGEST_PRIORITY}"
+        findings.append(
+            _finding(("priority",), priority, f"is no whole number of {span}", "Give such a one.")
         )
     if "study" not in fields:
         findings.append(_finding(("study",), "", "is missing", "Add the study."))
@@ -75,7 +84,12 @@ def read_submission(body: Any) -> Submission:
     findings += more if "study" in fields else []
     if findings or study is None:
         raise _unusable(findings)
-    return Submission(kind=kind, study=study)
+    return Submission(kind=kind, study=study, priority=priority)
+
+
+def _is_priority(value: Any) -> bool:
+    exact = isinstance(value, int) and not isinstance(value, bool)
+    return exact and abs(value) <= LARGEST_PRIORITY
 
 
 def read_study(body: Any, path: tuple[str, ...] = ()) -> Study:
@@ -95,8 +109,13 @@ def stored_study(document: Mapping[str, Any]) -> Study:
     return read_study(document)
 
 
-def admit(submission: Submission, limits: Limits, data: Path) -> Any:
+def admit(submission: Submission, limits: Limits, folder: Path | None) -> Any:
     """Checks a study and what it takes, by closed formulas: nothing is allocated.
+
+    Args:
+        submission: The study and what to do with it.
+        limits: What is accepted.
+        folder: Where results are stored; None where that is no disk of this machine.
 
     Returns:
         The solver's report.
@@ -106,21 +125,22 @@ def admit(submission: Submission, limits: Limits, data: Path) -> Any:
     """
     report = studies.check(submission.study)
     findings = [*_report_findings(report.errors, submission.path)]
-    findings += limit_findings(report, limits, data, submission.path)
+    findings += limit_findings(report, limits, folder, submission.path)
     if findings:
         raise _unusable(findings)
     return report
 
 
 def limit_findings(
-    report: Any, limits: Limits, data: Path, path: Sequence[str] = ()
+    report: Any, limits: Limits, folder: Path | None, path: Sequence[str] = ()
 ) -> list[Finding]:
     """Where a study asks for more than this server accepts or this machine has."""
     estimate = report.estimate
     if estimate is None:
         return []
     free_memory = limits.memory_fraction * psutil.virtual_memory().available
-    free_disk = limits.disk_fraction * shutil.disk_usage(data).free
+    disk = math.inf if folder is None else shutil.disk_usage(folder).free
+    free_disk = limits.disk_fraction * disk
     coarser = "Choose a coarser mesh."
     rules: list[tuple[str, float, float, str, tuple[str, ...], str]] = [
         ("runs", estimate.runs, limits.runs_per_job, "", ("sweep", "speeds"), "Give fewer speeds."),
@@ -155,10 +175,10 @@ def limit_findings(
 
 
 def report_document(
-    report: Any, limits: Limits, data: Path, path: tuple[str, ...]
+    report: Any, limits: Limits, folder: Path | None, path: tuple[str, ...]
 ) -> dict[str, Any]:
     """A report as the API sends it, the server's limits among its errors."""
-    errors = [*_report_findings(report.errors, path), *limit_findings(report, limits, data, path)]
+    errors = [*_report_findings(report.errors, path), *limit_findings(report, limits, folder, path)]
     return {
         "errors": errors,
         "warnings": _report_findings(report.warnings, path),

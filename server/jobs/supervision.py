@@ -1,104 +1,229 @@
-"""One supervised batch: its process, its limits, and how it ended."""
+"""One supervised batch: its process, its limits, and how it ended.
+
+``supervise`` runs wherever a batch computes, in a thread of the server or of a cluster's worker.
+"""
 
 from __future__ import annotations
 
+import logging
+import multiprocessing
+import os
 import signal
+import threading
 import time
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection
+from multiprocessing.connection import wait
 from typing import Any
 
-from server.jobs.process import BatchProcess
+import psutil
+
+from server.jobs.orders import Order, Report
+from server.jobs.process import STOPPED, BatchProcess
 from server.jobs.states import Event
-from server.store import BatchRecord
 
-__all__ = ["Supervised"]
+__all__ = ["Control", "supervise"]
+
+_log = logging.getLogger("trainbridge.jobs")
+
+_MOST_WORDS = 32_000
+"""Characters of what a process prints that are held."""
+_LAST_WORDS = 4000
+"""Characters of it that go into the log."""
+
+_OF_THE_BATCH = {
+    "failed": Event.FAIL,
+    "out_of_memory": Event.EXHAUST_MEMORY,
+    "lost": Event.LOSE,
+}
+"""Messages that end a batch as a whole."""
+
+Post = Callable[[Report], None]
 
 
-@dataclass(kw_only=True)
-class Supervised:
-    """A batch that computes.
+class Control:
+    """What an engine asks of one attempt, from any thread."""
 
-    Attributes:
-        batch: The batch as this attempt began.
-        process: Its process.
-        started: When, by the monotonic clock. [s]
-        memory_limit: Resident memory at which it is ended. [B]
-        verdicts: Of the runs that finished, by run.
-        silent: Whether the process has closed its end of the pipe.
+    def __init__(self) -> None:
+        self.reader, self._writer = multiprocessing.Pipe(duplex=False)
+        self._lock = threading.Lock()
+        self._closed = False
+
+    def cancel(self, runs: Collection[str] = ()) -> None:
+        """Takes runs out at their next step; ends the attempt where none is named."""
+        self._send(("cancel", tuple(runs)))
+
+    def stop(self) -> None:
+        """Lets the attempt store a checkpoint and end."""
+        self._send(("stop", ()))
+
+    def close(self) -> None:
+        """The attempt has ended: what comes later is not heard."""
+        with self._lock:
+            self._closed = True
+            self.reader.close()
+            self._writer.close()
+
+    def _send(self, request: tuple[str, tuple[str, ...]]) -> None:
+        with self._lock:
+            if not self._closed:
+                self._writer.send(request)
+
+
+def supervise(order: Order, post: Post, control: Control) -> None:
+    """Computes an order in a process of its own, and tells how it goes.
+
+    Args:
+        order: What to compute.
+        post: Takes each report; the last one is ``ended``.
+        control: Whose requests are obeyed; closed at the end.
     """
+    try:
+        event, error = _Supervised(order, post, control).until_ended()
+    except Exception as failure:
+        _log.exception("attempt %s could not be supervised", order.key)
+        event, error = Event.FAIL, f"The run could not be started: {failure}"
+    control.close()
+    post(Report(key=order.key, kind="ended", data={"event": str(event), "error": error}))
 
-    batch: BatchRecord
-    process: BatchProcess
-    started: float
-    memory_limit: int
-    verdicts: dict[str, Any] = field(default_factory=dict[str, Any])
-    silent: bool = False
-    _told: tuple[Event, str] | None = None
-    _ending: tuple[Event, str] | None = None
-    _asked_at: float = 0.0
 
-    def take_messages(self) -> Iterator[tuple[str, Mapping[str, Any]]]:
-        """Takes what the process has sent; yields progress as (run, report)."""
-        while not self.silent:
-            try:
-                if not self.process.connection.poll():
-                    return
-                message = self.process.connection.recv()
-            except (EOFError, OSError):
-                self.silent = True
-                return
-            kind = message[0]
-            if kind == "progress":
-                yield message[1], message[2]
-            elif kind == "finished":
-                self.verdicts[message[1]] = message[2].get("verdicts", [])
-            else:
-                event = Event.EXHAUST_MEMORY if kind == "out_of_memory" else Event.FAIL
-                self._told = (event, message[1])
+class _Supervised:
+    def __init__(self, order: Order, post: Post, control: Control) -> None:
+        self._order = order
+        self._post = post
+        self._control = control
+        self._limits = order.limits
+        self._left = {run.id for run in order.runs} if order.purpose == "runs" else set[str]()
+        self._told: tuple[Event, str] | None = None
+        self._ending: tuple[Event, str] | None = None
+        self._asked_at = 0.0
+        self._last_words = ""
+        self._sources: dict[Any, Callable[[], bool]] = {}
 
-    def enforce(self, now: float, seconds: float, grace: float) -> None:
-        """Ends the process where it is beyond a limit; kills it where it does not end.
+    def until_ended(self) -> tuple[Event, str]:
+        """Starts the process and stays with it."""
+        memory = self._memory_limit()
+        process = BatchProcess(self._order)
+        self._post_one("started", data={"process": process.pid})
+        started = time.monotonic()
+        try:
+            self._listen_to(process)
+            looked_at = started
+            while process.alive or self._hears_more():
+                for source in wait([*self._sources, process.sentinel], self._limits.poll_seconds):
+                    self._take(source)
+                now = time.monotonic()
+                if now - looked_at >= self._limits.poll_seconds or self._ending is not None:
+                    looked_at = now
+                    self._enforce(process, now, now - started, memory)
+            return self._outcome(process.exit_code)
+        finally:
+            process.close()
+            if words := _worth_keeping(self._last_words):
+                self._post_one("log", data={"text": words})
 
-        Args:
-            now: Monotonic time. [s]
-            seconds: Wall-clock limit of a batch. [s]
-            grace: Time between asking and killing. [s]
-        """
+    def _memory_limit(self) -> int:
+        if self._limits.memory_bytes:
+            return self._limits.memory_bytes
+        return int(self._limits.memory_fraction * psutil.virtual_memory().available)
+
+    # What comes in.
+
+    def _listen_to(self, process: BatchProcess) -> None:
+        self._sources = {
+            process.messages: lambda: self._take_message(process),
+            process.errors: lambda: self._take_words(process),
+            self._control.reader: lambda: self._obey(process),
+        }
+
+    def _hears_more(self) -> bool:
+        """Whether something of the ended process waits to be read."""
+        return bool(set(wait(list(self._sources), 0)) - {self._control.reader})
+
+    def _take(self, source: Any) -> None:
+        take = self._sources.get(source)
+        if take is not None and not take():
+            del self._sources[source]
+
+    def _take_message(self, process: BatchProcess) -> bool:
+        try:
+            kind, run, data = process.messages.recv()
+        except (EOFError, OSError):
+            return False
+        if not run and kind in _OF_THE_BATCH:
+            self._told = (_OF_THE_BATCH[kind], data.get("error", ""))
+            return True
+        if kind in ("finished", "failed", "cancelled"):
+            self._left.discard(run)
+        self._post_one(kind, run, data)
+        return True
+
+    def _take_words(self, process: BatchProcess) -> bool:
+        try:
+            words = os.read(process.errors.fileno(), 65536)
+        except OSError:
+            return False
+        self._last_words = (self._last_words + words.decode(errors="replace"))[-_MOST_WORDS:]
+        return bool(words)
+
+    def _obey(self, process: BatchProcess) -> bool:
+        request, runs = self._control.reader.recv()
+        wanted = self._left.intersection(runs)
+        if request == "stop":
+            self._end(process, Event.STOP, "")
+        elif wanted and wanted < self._left:
+            process.cancel(tuple(wanted))
+        elif wanted or not runs:
+            process.cancel(tuple(self._left))
+            self._end(process, Event.CANCEL, "")
+        return True
+
+    # Limits and the end.
+
+    def _enforce(self, process: BatchProcess, now: float, age: float, memory_limit: int) -> None:
         if self._ending is not None:
-            if now - self._asked_at >= grace:
-                self.process.kill()
+            if now - self._asked_at >= self._limits.grace_seconds:
+                process.kill()
             return
-        if now - self.started > seconds:
-            text = f"The run took longer than the limit of {seconds:g} s."
-            self.end(Event.TIME_OUT, f"{text} Try a coarser mesh or a longer time step.")
-        elif (memory := self.process.memory()) > self.memory_limit:
-            text = f"The run took {memory / 1e6:.0f} MB, the limit is {self.memory_limit / 1e6:.0f}"
-            self.end(Event.EXHAUST_MEMORY, f"{text} MB. Try a coarser mesh.")
+        if age > self._limits.seconds:
+            text = f"The run took longer than the limit of {self._limits.seconds:g} s."
+            self._end(process, Event.TIME_OUT, f"{text} Try a coarser mesh or a longer time step.")
+        elif (memory := process.memory()) > memory_limit:
+            text = f"The run took {memory / 1e6:.0f} MB, the limit is {memory_limit / 1e6:.0f} MB."
+            self._end(process, Event.EXHAUST_MEMORY, f"{text} Try a coarser mesh.")
 
-    def end(self, event: Event, reason: str) -> None:
+    def _end(self, process: BatchProcess, event: Event, reason: str) -> None:
         """Asks the process to end, once."""
         if self._ending is None:
             self._ending = (event, reason)
             self._asked_at = time.monotonic()
-            self.process.terminate()
+            process.terminate()
 
-    def outcome(self) -> tuple[Event, str]:
+    def _outcome(self, code: int | None) -> tuple[Event, str]:
         """How the batch ended: what it said itself counts before what was done to it."""
         if self._told is not None:
             return self._told
-        if len(self.verdicts) == len(self.batch.runs):
+        if code == 0 and not self._left:
             return Event.FINISH, ""
         if self._ending is not None:
             return self._ending
-        code = self.process.exit_code
+        if code in (STOPPED, -signal.SIGTERM):
+            return Event.STOP, ""
         if code is not None and code < 0:
             text = f"ended by the signal {_signal_name(-code)}"
             if -code == signal.SIGKILL:
                 text += ", as the operating system does when memory runs out"
         else:
             text = f"ended without a result (exit code {code})"
-        return Event.FAIL, f"The computing process was {text}. The server's log may say more."
+        return Event.DIE, f"The computing process was {text}. The job's log may say more."
+
+    def _post_one(self, kind: str, run: str = "", data: Any = None) -> None:
+        self._post(Report(key=self._order.key, kind=kind, run=run, data=data or {}))
+
+
+def _worth_keeping(words: str) -> str:
+    """The end of what a process printed, without the modules that a fault report lists."""
+    lines = [line for line in words.splitlines() if not line.startswith("Extension modules:")]
+    return "\n".join(lines).strip()[-_LAST_WORDS:]
 
 
 def _signal_name(number: int) -> str:

@@ -13,84 +13,105 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
+from server.jobs.gather import gather_job
+from server.jobs.orders import Commands, Order, RunTask, Send
 from server.jobs.progress import ProgressMeter, Report
-from server.store import RunReader, RunWriter, plain, write_summary
+from server.jobs.resuming import CancelledError, Resumable
+from server.jobs.submission import stored_study
+from server.store import (
+    ModelStore,
+    Place,
+    RunReader,
+    RunWriter,
+    attempt_place,
+    claim,
+    model_place,
+    open_place,
+    plain,
+    run_place,
+    write_summary,
+)
 from solver import studies
-from solver.arrays import IntVector, Matrix
+from solver.arrays import Cache, IntVector, Matrix
+from solver.results import RunPlan
+from solver.simulation import Extremes, Simulation
 
-__all__ = ["RunTask", "Send", "Task", "run_modes", "run_study", "run_task"]
+__all__ = ["run_modes", "run_order", "run_study"]
 
 _BLOCK_BYTES = 12 * 1024 * 1024
 """Memory of one block of slab histories; the filter takes about eight times as much. [B]"""
 _POINTS_PER_CHUNK = 64
 """Slab points that the store keeps together."""
 
-Send = Callable[[tuple[Any, ...]], None]
-"""Takes a message of a batch: ``("progress", run, report)`` or ``("finished", run, summary)``."""
+
+def run_order(order: Order, send: Send, commands: Commands) -> None:
+    """Computes a batch: its runs one after the other, or the model that runs share, or a gather."""
+    store = open_place(order.store)
+    if order.purpose == "gather":
+        gather_job(store, order)
+    elif order.purpose == "prepare":
+        _prepare_model(store, order, send)
+    else:
+        for run in order.runs:
+            _compute_run(store, order, run, send, commands)
 
 
-@dataclass(frozen=True, kw_only=True)
-class RunTask:
-    """One run of a batch.
+def _prepare_model(store: Place, order: Order, send: Send) -> None:
+    """Makes what the runs of a sweep share, once for all jobs that have the same model."""
+    models = ModelStore(model_place(store, order.model))
+    if models.complete():
+        send(("log", "", {"text": "the prepared model is there already"}))
+        return
 
-    Attributes:
-        id: The run.
-        index: Its place in the study's sweep.
-        folder: Where its results go.
-    """
+    def report(stage: str) -> None:
+        send(("log", "", {"text": f"preparing the model: {stage}"}))
 
-    id: str
-    index: int
-    folder: Path
-
-
-@dataclass(frozen=True, kw_only=True)
-class Task:
-    """What one batch computes.
-
-    Attributes:
-        kind: ``crossing`` or ``modes``.
-        study: The study.
-        runs: Its runs in this batch.
-        progress_seconds: Least time between two reports. [s]
-    """
-
-    kind: str
-    study: Any
-    runs: tuple[RunTask, ...]
-    progress_seconds: float = 0.1
+    studies.prepare_model(stored_study(order.study), models, report)
+    models.finish()
 
 
-def run_task(task: Task, send: Send) -> None:
-    """Computes every run of a batch, one after the other."""
-    compute = run_modes if task.kind == "modes" else run_study
-    for run in task.runs:
+def _compute_run(store: Place, order: Order, run: RunTask, send: Send, commands: Commands) -> None:
+    place = attempt_place(store, run.id, order.attempt)
+    if not claim(place, order.key):
+        # An outer engine began this attempt twice: the other one goes on.
+        send(("lost", "", {}))
+        return
 
-        def report(state: Mapping[str, Any], run: RunTask = run) -> None:
-            send(("progress", run.id, state))
+    def report(state: Mapping[str, Any]) -> None:
+        send(("progress", run.id, state))
 
-        summary = compute(
-            task.study, run.index, run.folder, report, progress_seconds=task.progress_seconds
-        )
-        send(("finished", run.id, summary))
+    study = stored_study(order.study)
+    try:
+        if order.kind == "modes":
+            summary = run_modes(study, place, report)
+        else:
+            meter = ProgressMeter(report, seconds=order.limits.progress_seconds)
+            keeper = Resumable(store, order, run, send, commands)
+            models = ModelStore(model_place(store, order.model)) if order.model else None
+            summary = _integrate(study, run.index, meter, keeper, models)
+    except CancelledError:
+        send(("cancelled", run.id, {}))
+        return
+    _remove_earlier_attempts(store, run.id, order.attempt)
+    send(("finished", run.id, {"verdicts": summary.get("verdicts", [])}))
 
 
 def run_study(
     study: Any,
     run_index: int,
-    folder: Path,
+    place: Place | Path,
     report: Report,
     *,
     progress_seconds: float = 0.1,
 ) -> dict[str, Any]:
-    """Integrates one run of a study in time and stores it.
+    """Integrates one run of a study in time and stores it, in one go.
 
     Args:
         study: The study.
         run_index: Place of the run in the sweep.
-        folder: Where the results go; it is emptied first.
+        place: Where the results go; it is emptied first.
         report: Takes progress.
         progress_seconds: Least time between two reports. [s]
 
@@ -102,41 +123,92 @@ def run_study(
         SolverError: The study cannot be computed.
     """
     meter = ProgressMeter(report, seconds=progress_seconds)
-    started = time.monotonic()
-    simulation = studies.prepare(study, run_index, meter.stage)
-    plan = simulation.plan
-    prepared = time.monotonic()
-    writer = RunWriter(folder, plan)
-    meter.start(plan)
+    return _integrate(study, run_index, meter, _Uninterrupted(place), None)
+
+
+class _Keeper(Protocol):
+    """Where an attempt's samples go, and what happens between steps."""
+
+    def begin(self, simulation: Simulation) -> RunWriter: ...
+
+    def after_step(self, simulation: Simulation) -> None: ...
+
+    def end(self) -> None: ...
+
+
+class _Uninterrupted:
+    """An attempt from the first step to the last."""
+
+    def __init__(self, place: Place | Path) -> None:
+        self._place = place
+
+    def begin(self, simulation: Simulation) -> RunWriter:
+        return RunWriter(self._place, simulation.plan)
+
+    def after_step(self, simulation: Simulation) -> None:
+        del simulation
+
+    def end(self) -> None:
+        return
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Outcome:
+    """What a simulation leaves behind for the verdicts: not its factor, which is large."""
+
+    plan: RunPlan
+    extremes: Extremes
+    facts: Mapping[str, object]
+
+
+def _integrate(
+    study: Any, run_index: int, meter: ProgressMeter, keeper: _Keeper, cache: Cache | None
+) -> dict[str, Any]:
+    """Prepares, takes every step, judges and stores; gives the stored summary."""
+    clock = _Clock()
+    simulation = studies.prepare(study, run_index, meter.stage, cache)
+    clock.lap("preparation")
+    writer = keeper.begin(simulation)
+    meter.start(simulation.plan, max(0, writer.expected_step - 1))
     try:
         for sample in simulation.samples():
+            if sample.step < writer.expected_step:
+                continue  # The step of the checkpoint itself.
             writer.append(sample)
             meter.step(sample)
+            keeper.after_step(simulation)
     except BaseException:
         writer.abort()
         raise
-    extremes = simulation.extremes
-    facts = plan.facts | simulation.contact_facts
-    del simulation  # its factor would stay beside the histories while they are judged
-    computed = time.monotonic()
+    keeper.end()
+    clock.lap("steps")
+    outcome = _Outcome(
+        plan=simulation.plan,
+        extremes=simulation.extremes,
+        facts=simulation.plan.facts | simulation.contact_facts,
+    )
+    del simulation
+    return _judge(study, outcome, writer, meter, clock)
+
+
+def _judge(
+    study: Any, outcome: _Outcome, writer: RunWriter, meter: ProgressMeter, clock: _Clock
+) -> dict[str, Any]:
+    """Judges the stored histories and stores the summary."""
+    plan = outcome.plan
     meter.stage("storing the histories")
     writer.seal()
-    stored = time.monotonic()
+    clock.lap("storage")
     meter.stage("judging")
-    reader = RunReader(folder)
-    assessment = studies.assess(study, plan, extremes, _slab_blocks(reader), reader.slab_point)
+    reader = RunReader(writer.place)
+    assessment = studies.assess(
+        study, plan, outcome.extremes, _slab_blocks(reader), reader.slab_point
+    )
     writer.add_filtered({_filtered(name): v for name, v in assessment.filtered.items()})
-    timings = {
-        "preparation": prepared - started,
-        "steps": computed - prepared,
-        "per step": (computed - prepared) / max(1, plan.n_step),
-        "storage": stored - computed,
-        "assessment": time.monotonic() - stored,
-        "total": time.monotonic() - started,
-    }
+    clock.lap("assessment")
     summary = _summary(
-        facts=facts,
-        timings=timings,
+        facts=outcome.facts,
+        timings=clock.timings(plan.n_step),
         verdicts=assessment.verdicts,
         unjudged=assessment.unjudged,
         cut_off=assessment.cut_off,
@@ -147,14 +219,26 @@ def run_study(
     return summary
 
 
-def run_modes(
-    study: Any,
-    run_index: int,
-    folder: Path,
-    report: Report,
-    *,
-    progress_seconds: float = 0.1,
-) -> dict[str, Any]:
+class _Clock:
+    """How long each part of a run took, in this attempt."""
+
+    def __init__(self) -> None:
+        self._began = self._last = time.monotonic()
+        self._laps: dict[str, float] = {}
+
+    def lap(self, name: str) -> None:
+        """Ends a part."""
+        now = time.monotonic()
+        self._laps[name] = now - self._last
+        self._last = now
+
+    def timings(self, n_step: int) -> dict[str, float]:
+        """Seconds by part, in total, and of a step."""
+        per_step = self._laps["steps"] / max(1, n_step)
+        return {**self._laps, "per step": per_step, "total": self._last - self._began}
+
+
+def run_modes(study: Any, place: Place | Path, report: Report) -> dict[str, Any]:
     """Computes the frequencies and shapes of a study's structure and stores them.
 
     Returns:
@@ -163,15 +247,22 @@ def run_modes(
     Raises:
         SolverError: The structure cannot be computed.
     """
-    del run_index, progress_seconds
     meter = ProgressMeter(report, steps=1)
-    started = time.monotonic()
+    clock = _Clock()
     analysis = studies.modal_analysis(study, meter.stage)
     meter.complete()
-    timings = {"total": time.monotonic() - started}
+    clock.lap("steps")
+    timings = {"total": clock.timings(1)["total"]}
     summary = _summary(timings=timings, verdicts=(), peaks={}, **analysis)
-    write_summary(folder, summary)
+    write_summary(place, summary)
     return summary
+
+
+def _remove_earlier_attempts(store: Place, run: str, attempt: int) -> None:
+    """Frees the disk of attempts that this one has replaced."""
+    runs = run_place(store, run)
+    for earlier in range(1, attempt):
+        runs.remove(f"{earlier:03d}")
 
 
 def _filtered(point: str) -> str:

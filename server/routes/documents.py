@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from server.jobs.progress import job_progress
 from server.routes.service import Service
-from server.store import JobRecord, RunReader, RunRecord
+from server.store import EventRecord, JobRecord, RunReader, RunRecord, attempt_place
 
-__all__ = ["channel_document", "job_documents", "run_document", "worst_verdicts"]
+__all__ = ["channel_document", "job_documents", "log_line", "run_document"]
 
 _TITLES = {
     "failed": "The computation failed",
@@ -38,33 +39,51 @@ def _job_document(service: Service, job: JobRecord, runs: Sequence[RunRecord]) -
         "started": _time(job.started),
         "ended": _time(job.ended),
         "error": _trouble(job.state, job.error),
+        "priority": job.priority,
         "position": service.database.position(job) if waiting else None,
+        "estimated_start": _estimated_start(service, job) if waiting else None,
+        "source": job.source,
         "runs": [_run_item(run) for run in runs],
     }
 
 
-def run_document(run: RunRecord, reader: RunReader) -> dict[str, Any]:
+def _estimated_start(service: Service, job: JobRecord) -> tuple[str, str] | None:
+    seconds = service.pace.seconds(service.database, service.database.steps_before(job))
+    if seconds is None:
+        return None
+    now = datetime.now(UTC)
+    try:
+        earliest, latest = (now + timedelta(seconds=part) for part in seconds)
+    except OverflowError:
+        return None
+    return earliest.isoformat(), latest.isoformat()
+
+
+def run_document(service: Service, run: RunRecord) -> dict[str, Any]:
     """A run with what it found."""
-    summary = reader.summary if run.state == "done" else None
+    reader = RunReader(attempt_place(service.store, run.id, run.attempt))
     return {
         **_run_item(run),
         "job": run.job,
         "index": run.index,
-        "attempt": run.attempt,
-        "summary": summary,
+        "summary": reader.summary if run.state == "done" else None,
         "verdicts": run.verdicts or [],
     }
 
 
-def worst_verdicts(runs: Iterable[RunRecord]) -> list[dict[str, Any]]:
-    """Of each rule the verdict that is furthest beyond its limit, or nearest to it."""
-    worst: dict[str, dict[str, Any]] = {}
-    for run in runs:
-        for verdict in run.verdicts or []:
-            rule = str(verdict.get("rule"))
-            if rule not in worst or _severity(verdict) > _severity(worst[rule]):
-                worst[rule] = {**verdict, "run": run.id}
-    return list(worst.values())
+def log_line(entry: EventRecord, indices: Mapping[str, int]) -> str:
+    """An event as a line of text: time, run, what; whatever it says, it stays one line.
+
+    Args:
+        entry: Of kind ``state`` or ``log``.
+        indices: Place of each run in its job's sweep, by run.
+    """
+    who = "job" if entry.run is None else f"run {indices.get(entry.run, 0)} ({entry.run})"
+    data = dict(entry.data)
+    words = [str(data.pop(key)) for key in ("state", "text") if data.get(key)]
+    words += [f"{name} {value}" for name, value in data.items() if value not in (None, "")]
+    what = "; ".join(words).encode("unicode_escape").decode("ascii")
+    return f"{_time(entry.time)}  {who}  {what}\n"
 
 
 def channel_document(channel: Any) -> dict[str, Any]:
@@ -76,16 +95,12 @@ def channel_document(channel: Any) -> dict[str, Any]:
     }
 
 
-def _severity(verdict: dict[str, Any]) -> tuple[bool, float]:
-    limit = abs(float(verdict.get("limit") or 0.0)) or 1.0
-    return bool(verdict.get("exceeds")), abs(float(verdict.get("value") or 0.0)) / limit
-
-
 def _run_item(run: RunRecord) -> dict[str, Any]:
     return {
         "id": run.id,
         "parameters": run.parameters,
         "state": run.state,
+        "attempt": run.attempt,
         "progress": run.progress or None,
         "error": _trouble(run.state, run.error),
     }
@@ -98,4 +113,9 @@ def _trouble(state: str, detail: str | None) -> dict[str, str] | None:
 
 
 def _time(seconds: float | None) -> str | None:
-    return None if seconds is None else datetime.fromtimestamp(seconds, UTC).isoformat()
+    """A time of day, cut after the microsecond: what happened then or later includes it."""
+    if seconds is None:
+        return None
+    whole = math.floor(seconds)
+    second = datetime.fromtimestamp(whole, UTC)
+    return second.replace(microsecond=math.floor(1e6 * (seconds - whole))).isoformat()

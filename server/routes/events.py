@@ -1,34 +1,41 @@
 """Event streams: jobs as they change, one stream a tab.
 
 Two kinds of events. ``job`` carries a job exactly as ``GET /jobs/{id}`` does: at once on
-connecting, then at every change, at most four a second. ``progress`` carries each report of a run,
-with the points that its live curves gain. Ids number the stored events; a stream that reconnects
-with ``Last-Event-ID`` misses none of the last ten minutes.
+connecting, then at every change, at most four a second. ``progress`` carries each report of a run
+as soon as it is stored, with the points that its live curves gain. Ids number the stored events; a
+stream that reconnects with ``Last-Event-ID`` misses none of the last ten minutes; a comment says
+when what it missed has been told. A stream of named jobs ends when all of them are deleted.
 """
 
 from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import time
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Iterable, Sequence
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import StreamingResponse
 
-from server.errors import Problem, gone_missing
+from server.errors import Problem
 from server.routes.documents import job_documents
+from server.routes.outages import DATABASE_AWAY
 from server.routes.service import Service, ServiceDependency
-from server.store import EventRecord
+from server.store import EventRecord, JobFilter
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/api/v1", tags=["events"])
 
+_log = logging.getLogger("trainbridge.events")
+
 _SNAPSHOT_SECONDS = 0.25
 """Least time between two snapshots of a stream. [s]"""
+_PROGRESS_SECONDS = 0.02
+"""Least time between two looks at the database while events come. [s]"""
 _RECENT = 50
 """Jobs that a stream of all jobs begins with."""
 _LARGEST_ID = 2**62
@@ -77,8 +84,7 @@ def _begin(after: int | None, last_event: str | None) -> int | None:
 
 async def _stream(service: Service, jobs: Sequence[str], after: int | None) -> StreamingResponse:
     for job in jobs:
-        if await run_in_threadpool(service.database.job, job) is None:
-            raise gone_missing("job", job)
+        await run_in_threadpool(service.job, job)
     if service.changes.listeners >= service.settings.limits.event_streams:
         raise Problem(
             503,
@@ -97,38 +103,90 @@ async def _stream(service: Service, jobs: Sequence[str], after: int | None) -> S
 
 
 async def _events(service: Service, jobs: Sequence[str], last: int) -> AsyncIterator[str]:
-    heartbeat = service.settings.heartbeat_seconds
-    async with service.changes.listen() as changed:
-        yield "retry: 1000\n\n"
-        for text in await run_in_threadpool(_snapshots, service, jobs, None, last):
-            yield text
-        while not service.changes.ended:
-            changed.clear()
-            events = await run_in_threadpool(service.database.events_after, last, jobs=jobs)
-            for event in events:
-                last = event.id
-                if event.kind == "progress":
-                    yield _progress(event)
-            if events:
-                touched = list(dict.fromkeys(event.job for event in events))
-                for text in await run_in_threadpool(_snapshots, service, touched, touched, last):
+    """The stream's text: progress at once, snapshots of what it touched a few times a second."""
+    rationed, told_all = _Snapshots(service, jobs), False
+    try:
+        async with service.changes.listen() as changed:
+            yield "retry: 1000\n\n"
+            for text in await rationed.first(last):
+                yield text
+            while not service.changes.ended:
+                changed.clear()
+                events = await run_in_threadpool(service.database.events_after, last, jobs=jobs)
+                for event in events:
+                    last = event.id
+                    if event.kind == "progress":
+                        yield _progress(event)
+                rationed.touch(event.job for event in events)
+                for text in await rationed.due(last):
                     yield text
-                await _pause(service, _SNAPSHOT_SECONDS)
-                continue
-            if not await _woken(changed, heartbeat):
-                yield f": {time.time():.0f}\n\n"
+                if events:
+                    await asyncio.sleep(_PROGRESS_SECONDS)
+                    continue
+                if not told_all and not rationed.wait:
+                    told_all = True
+                    yield ": nothing more waits\n\n"
+                if not await _woken(changed, rationed.wait or service.settings.heartbeat_seconds):
+                    if rationed.wait:
+                        continue
+                    yield f": {time.time():.0f}\n\n"
+                    if jobs and not await run_in_threadpool(_exists, service, jobs):
+                        return
+    except DATABASE_AWAY:
+        # Who listens comes again by itself and says where it was.
+        _log.warning("an event stream ends: the database does not answer")
 
 
-def _snapshots(
-    service: Service, jobs: Sequence[str], touched: Sequence[str] | None, last: int
-) -> list[str]:
+class _Snapshots:
+    """Jobs that were touched since they were last told, and when they may be told again."""
+
+    def __init__(self, service: Service, jobs: Sequence[str]) -> None:
+        self._service = service
+        self._jobs = jobs
+        self._touched: dict[str, None] = {}
+        self._next = 0.0
+
+    @property
+    def wait(self) -> float:
+        """Time until the next ones are due; 0 where none is. [s]"""
+        return max(0.001, self._next - time.monotonic()) if self._touched else 0.0
+
+    def touch(self, jobs: Iterable[str]) -> None:
+        """Notes jobs that changed."""
+        self._touched |= dict.fromkeys(jobs)
+
+    async def first(self, last: int) -> list[str]:
+        """What a stream begins with."""
+        return await self._told(self._jobs, last)
+
+    async def due(self, last: int) -> list[str]:
+        """Events of the jobs that changed, where it is time to tell them."""
+        if not self._touched or time.monotonic() < self._next:
+            return []
+        touched, self._touched = list(self._touched), {}
+        return await self._told(touched, last)
+
+    async def _told(self, jobs: Sequence[str], last: int) -> list[str]:
+        begin = time.monotonic()
+        texts = await run_in_threadpool(_snapshots, self._service, jobs, last)
+        end = time.monotonic()
+        # Jobs of many runs take long to write out: a tab must not keep the server busy.
+        self._next = end + max(_SNAPSHOT_SECONDS, 4.0 * (end - begin))
+        return texts
+
+
+def _exists(service: Service, jobs: Sequence[str]) -> bool:
+    """Whether any of these jobs is still there."""
+    return any(service.database.job(job) is not None for job in jobs)
+
+
+def _snapshots(service: Service, jobs: Sequence[str], last: int) -> list[str]:
     """Jobs as events: those given, or the newest ones where none is."""
-    wanted = touched or jobs
-    if wanted:
-        found = [service.database.job(job) for job in wanted]
+    if jobs:
+        found = [service.database.job(job) for job in jobs]
         records = [job for job in found if job is not None]
     else:
-        records = service.database.jobs(limit=_RECENT)[::-1]
+        records = service.database.jobs(JobFilter(), limit=_RECENT)[::-1]
     return [_event("job", document, last) for document in job_documents(service, records)]
 
 
@@ -147,10 +205,3 @@ async def _woken(changed: asyncio.Event, seconds: float) -> bool:
     except TimeoutError:
         return False
     return True
-
-
-async def _pause(service: Service, seconds: float) -> None:
-    """Waits, but not when the server stops."""
-    end = time.monotonic() + seconds
-    while not service.changes.ended and (left := end - time.monotonic()) > 0:
-        await asyncio.sleep(min(left, 0.05))

@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
-from importlib.metadata import PackageNotFoundError, version
-
 from fastapi import APIRouter
 
 from server.errors import Problem
 from server.routes.schemas import Health, Meta
 from server.routes.service import ServiceDependency
 from server.vendor import plotly_url
+from server.version import package_version
 
-__all__ = ["OPENAPI_URL", "package_version", "router"]
+__all__ = ["OPENAPI_URL", "router"]
 
 OPENAPI_URL = "/api/v1/openapi.json"
 
 router = APIRouter(prefix="/api/v1", tags=["meta"])
-
-
-def package_version() -> str:
-    """Version of the installed package; of a checkout that is not installed, 0."""
-    try:
-        return version("trainbridge")
-    except PackageNotFoundError:
-        return "0"
 
 
 @router.get("/meta")
@@ -36,6 +27,8 @@ def read_meta() -> Meta:
 def read_health(service: ServiceDependency) -> Health:
     """200 while the database answers and the queue works."""
     service.database.last_event()
-    if not service.coordinator.alive:
+    if service.queue_alive is None:
+        return Health(status="ok", coordinator="elsewhere")
+    if not service.queue_alive():
         raise Problem(503, "The queue stands still", "Restart the server; its log says more.")
-    return Health(status="ok")
+    return Health(status="ok", coordinator="here")

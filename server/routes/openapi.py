@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
+from annotated_types import Ge, Le
 from fastapi import FastAPI
 from pydantic import TypeAdapter
 
+from server.settings import LARGEST_PRIORITY
 from solver import studies
 from solver.studies import Study
 
@@ -26,10 +28,11 @@ _REFERENCES = "#/components/schemas/{model}"
 
 @dataclass(frozen=True, kw_only=True)
 class Submission:
-    """A study and what to compute of it."""
+    """A study, what to compute of it, and how soon."""
 
     study: Study
     kind: Literal["crossing", "modes"] = "crossing"
+    priority: Annotated[int, Ge(-LARGEST_PRIORITY), Le(LARGEST_PRIORITY)] = 0
 
 
 def describe_studies(app: FastAPI) -> None:

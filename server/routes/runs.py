@@ -16,13 +16,13 @@ from server.errors import Finding, Problem, gone_missing, shortened
 from server.routes.documents import channel_document, run_document
 from server.routes.schemas import ChannelList, FrameList, FrameValues, Run, VerdictList
 from server.routes.service import ServiceDependency
-from server.store import NotStoredError, RunReader, attempt_folder
+from server.store import NotStoredError, RunReader
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/api/v1/runs/{run_id}", tags=["runs"])
 
-_CSV_ROWS = 2000
+_CSV_ROWS = 20_000
 """Rows read and sent at once."""
 
 From = Annotated[
@@ -40,9 +40,7 @@ Channels = Annotated[
 @router.get("")
 def read_run(run_id: str, service: ServiceDependency) -> Run:
     """A run with its summary and verdicts."""
-    run = service.run(run_id)
-    reader = RunReader(attempt_folder(service.settings.data, run.id, run.attempt))
-    return Run.model_validate(run_document(run, reader))
+    return Run.model_validate(run_document(service, service.run(run_id)))
 
 
 @router.get("/verdicts")
@@ -197,21 +195,20 @@ def _bounds(begin: float | None, end: float | None) -> tuple[float, float]:
 def _csv(
     reader: RunReader, header: Sequence[str], names: Sequence[str], window: range
 ) -> Iterator[str]:
-    yield _lines([[_cell(item) for item in header]])
+    yield _line([_cell(item) for item in header])
     rows_at_once = max(1, _CSV_ROWS // window.step) * window.step
     for start in range(window.start, window.stop, rows_at_once):
         stop = min(start + rows_at_once, window.stop)
         times = reader.times(start, stop)[:: window.step]
         rows = reader.channel_rows(names, start, stop)[:: window.step]
-        yield _lines(
-            [repr(float(time)), *(repr(float(value)) for value in row)]
-            for time, row in zip(times, rows, strict=True)
-        )
+        # Numbers need no quotes: the writer would take as long as all the rest.
+        table = np.column_stack([times, rows]).tolist()
+        yield "".join([",".join(map(repr, row)) + "\r\n" for row in table])
 
 
-def _lines(rows: Any) -> str:
+def _line(cells: Sequence[str]) -> str:
     buffer = StringIO()
-    csv.writer(buffer).writerows(rows)
+    csv.writer(buffer).writerow(cells)
     return buffer.getvalue()
 
 

@@ -6,14 +6,19 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from server.settings import LARGEST_PRIORITY
+
 __all__ = [
     "ChannelItem",
     "ChannelList",
+    "EstimateItem",
+    "FindingItem",
     "FrameItem",
     "FrameList",
     "FrameValues",
     "Health",
     "Job",
+    "JobChange",
     "JobList",
     "Login",
     "Meta",
@@ -22,6 +27,7 @@ __all__ = [
     "Report",
     "Run",
     "RunItem",
+    "StateName",
     "TemplateItem",
     "TemplateList",
     "Trouble",
@@ -90,6 +96,8 @@ class RunItem(_Model):
     parameters: dict[str, float]
     """SI, for example the speed. [m/s]"""
     state: StateName
+    attempt: int
+    """How often it was begun: more than once where something died on the way."""
     progress: Progress | None
     error: Trouble | None
 
@@ -106,8 +114,15 @@ class Job(_Model):
     started: str | None
     ended: str | None
     error: Trouble | None
+    priority: int
+    """Greater ones begin first; of equal ones the older."""
     position: int | None
     """Jobs that wait before this one, while it waits itself."""
+    estimated_start: tuple[str, str] | None
+    """Earliest and latest time at the pace of the last jobs, while it waits; null where nothing
+    is known of the pace."""
+    source: str | None
+    """The job that it is a clone of."""
     runs: list[RunItem]
 
 
@@ -274,6 +289,17 @@ class Health(_Model):
     """Whether the server answers and its queue works."""
 
     status: Literal["ok"]
+    coordinator: Literal["here", "elsewhere"]
+    """Whether this process hands out the runs, or another one that it cannot see."""
+
+
+class JobChange(BaseModel):
+    """What can be changed of a job that has not ended."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, use_attribute_docstrings=True)
+
+    priority: int = Field(ge=-LARGEST_PRIORITY, le=LARGEST_PRIORITY)
+    """Greater ones begin first."""
 
 
 class Login(BaseModel):

@@ -1,75 +1,72 @@
-"""What routes work with: settings, database, queue, drawing process, changes."""
+"""What routes work with: settings, database, store, queue, drawing process, changes."""
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import AsyncGenerator
-from contextlib import asynccontextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated
 
 from fastapi import Depends, Request
 
 from server.errors import Problem, gone_missing
-from server.jobs.coordinator import Coordinator
+from server.routes.changes import Changes
 from server.routes.drawing import DrawingProcess
+from server.routes.forecast import Pace
 from server.settings import Settings
-from server.store import Database, NotStoredError, RunReader, RunRecord, attempt_folder
+from server.store import (
+    Database,
+    JobRecord,
+    Place,
+    RunReader,
+    RunRecord,
+    attempt_place,
+)
 
-__all__ = ["Changes", "Service", "ServiceDependency"]
+__all__ = ["Service", "ServiceDependency"]
 
-
-class Changes:
-    """Wakes event streams when something was stored; ends them when the server stops."""
-
-    def __init__(self) -> None:
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self._waiting: set[asyncio.Event] = set()
-        self.ended = False
-
-    @property
-    def listeners(self) -> int:
-        """Streams that are open."""
-        return len(self._waiting)
-
-    def bind(self) -> None:
-        """Takes the running event loop as the one whose streams are woken."""
-        self._loop = asyncio.get_running_loop()
-
-    def notify(self) -> None:
-        """Wakes every stream; from any thread."""
-        if self._loop is not None and not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(self._wake)
-
-    def end(self) -> None:
-        """Ends every stream; from any thread or signal handler."""
-        self.ended = True
-        self.notify()
-
-    @asynccontextmanager
-    async def listen(self) -> AsyncGenerator[asyncio.Event]:
-        """An event that is set at each change."""
-        changed = asyncio.Event()
-        self._waiting.add(changed)
-        try:
-            yield changed
-        finally:
-            self._waiting.discard(changed)
-
-    def _wake(self) -> None:
-        for changed in self._waiting:
-            changed.set()
+_LONGEST_ID = 64
 
 
 @dataclass(frozen=True, kw_only=True)
 class Service:
-    """The parts of a running server."""
+    """The parts of a running server.
+
+    Attributes:
+        settings: Of the server.
+        database: The truth of the queue.
+        store: Where results are.
+        drawing: Draws figures as files.
+        wake: Tells a coordinator of this process that something is asked of it; does nothing where
+            it is elsewhere, for it looks by itself.
+        queue_alive: Whether the coordinator of this process works; None where it is elsewhere.
+        changes: Wakes event streams.
+        pace: How fast the last jobs went.
+    """
 
     settings: Settings
     database: Database
-    coordinator: Coordinator
+    store: Place
     drawing: DrawingProcess
+    wake: Callable[[], None]
+    queue_alive: Callable[[], bool] | None = None
     changes: Changes = field(default_factory=Changes)
+    pace: Pace = field(default_factory=Pace)
+
+    def asked(self) -> None:
+        """Tells the coordinator and every stream that the database holds something new."""
+        self.wake()
+        self.changes.notify()
+
+    def job(self, job: str) -> JobRecord:
+        """A job.
+
+        Raises:
+            Problem: 404.
+        """
+        found = self.database.job(job) if _may_be_id(job) else None
+        if found is None:
+            raise gone_missing("job", job)
+        return found
 
     def run(self, run: str) -> RunRecord:
         """A run.
@@ -77,25 +74,25 @@ class Service:
         Raises:
             Problem: 404.
         """
-        found = self.database.run(run)
+        found = self.database.run(run) if _may_be_id(run) else None
         if found is None:
             raise gone_missing("run", run)
         return found
 
     def reader(self, run: RunRecord) -> RunReader:
-        """The results of a run's newest attempt.
+        """The results of a run's newest attempt that has any.
+
+        An attempt that is about to resume shows what the one before it had.
 
         Raises:
-            Problem: 409 where it has not come to its first step.
+            Problem: 409 where none has come to its first step.
         """
-        reader = RunReader(attempt_folder(self.settings.data, run.id, run.attempt))
-        try:
-            _ = reader.plan
-        except NotStoredError:
-            raise Problem(
-                409, "No histories yet", f"The run is {run.state} and has no histories (yet)."
-            ) from None
-        return reader
+        for attempt in range(run.attempt, 0, -1):
+            reader = RunReader(attempt_place(self.store, run.id, attempt))
+            if reader.has_plan:
+                return reader
+        detail = f"The run is {run.state} and has no histories (yet)."
+        raise Problem(409, "No histories yet", detail)
 
     def open_reader(self, run: str) -> RunReader:
         """The results of a run by its id, for the viewer.
@@ -104,6 +101,11 @@ class Service:
             Problem: 404, 409.
         """
         return self.reader(self.run(run))
+
+
+def _may_be_id(text: str) -> bool:
+    """Whether a text may be asked for at all: not every database takes every character."""
+    return text.isascii() and text.isalnum() and len(text) <= _LONGEST_ID
 
 
 def _service(request: Request) -> Service:

@@ -1,15 +1,15 @@
-"""JSON documents on disk: written whole or not at all."""
+"""JSON documents in a store: written whole or not at all."""
 
 from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+
+from server.store.place import Place
 
 __all__ = ["plain", "read_document", "write_document"]
 
@@ -31,17 +31,13 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
-def write_document(path: Path, document: Mapping[str, Any]) -> None:
-    """Replaces a JSON file atomically: a reader sees the old or the new one, never a part."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+def write_document(place: Place, name: str, document: Mapping[str, Any]) -> None:
+    """Replaces a JSON document atomically: a reader sees the old or the new one, never a part."""
     text = json.dumps(plain(document), ensure_ascii=False, allow_nan=False)
-    temporary.write_text(text, encoding="utf-8")
-    os.replace(temporary, path)
+    place.write(name, text.encode())
 
 
-def read_document(path: Path) -> dict[str, Any] | None:
-    """The JSON file's content, or None where there is no such file."""
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return None
+def read_document(place: Place, name: str) -> dict[str, Any] | None:
+    """The JSON document's content, or None where there is none."""
+    data = place.read(name)
+    return None if data is None else json.loads(data)

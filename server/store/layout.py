@@ -1,9 +1,17 @@
-"""Where a run's data lies: one folder an attempt.
+"""Where a store keeps what. Below the store's place:
 
+    runs/<run>/<attempt>/    one attempt at a run, the attempt in three digits
+    jobs/<job>/              what a job's runs gave together
+    models/<key>/            what the runs of a sweep share
+
+Below an attempt's:
+
+    CLAIM          who computes it
     plan.json      what is known before the first step
     plan.zarr      its arrays: vertices, faces, wheels, slab points
     commit.json    how many samples a reader may read, and from which group
-    live.zarr      while the run computes: short shards, each written once and whole
+    live.zarr      until all is stored: short shards, each written once and whole
+    checkpoint     while the run computes: everything that a new attempt goes on from
     result.zarr    when it has ended: the same arrays in long shards
     summary.json   verdicts, peaks, timings, versions
     DONE           the marker: everything above is complete
@@ -22,26 +30,35 @@ The arrays of ``live.zarr`` and ``result.zarr``, time first:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import zarr
 from zarr.codecs import BloscCodec
 
+from server.store.place import Place
 from solver.results import RunPlan
 
 __all__ = [
+    "CHECKPOINT",
     "COMMIT",
     "DONE",
+    "JOBS",
     "LIVE",
+    "MODELS",
     "PLAN",
     "PLAN_ARRAYS",
     "RESULT",
+    "RUNS",
     "SUMMARY",
     "ArrayLayout",
     "array_layouts",
-    "attempt_folder",
+    "attempt_place",
     "create_array",
+    "job_place",
+    "model_place",
+    "open_group",
+    "run_place",
+    "shard_key",
 ]
 
 PLAN = "plan.json"
@@ -51,6 +68,11 @@ LIVE = "live.zarr"
 RESULT = "result.zarr"
 SUMMARY = "summary.json"
 DONE = "DONE"
+CHECKPOINT = "checkpoint"
+
+RUNS = "runs"
+JOBS = "jobs"
+MODELS = "models"
 
 _COLUMNS_PER_CHUNK = {"channels": 16, "slab": 64, "filtered": 1}
 """Columns read together: one channel is asked for at a time, slab points in blocks."""
@@ -95,9 +117,35 @@ class ArrayLayout:
         return (rows, -(-self.shape[1] // chunk[1]) * chunk[1])
 
 
-def attempt_folder(data: Path, run: str, attempt: int) -> Path:
-    """The folder of one attempt at a run."""
-    return data / "runs" / run / f"{attempt:03d}"
+def attempt_place(store: Place, run: str, attempt: int) -> Place:
+    """The place of one attempt at a run."""
+    return store.child(RUNS, run, f"{attempt:03d}")
+
+
+def run_place(store: Place, run: str) -> Place:
+    """The place of all attempts at a run."""
+    return store.child(RUNS, run)
+
+
+def job_place(store: Place, job: str) -> Place:
+    """The place of what a job's runs gave together."""
+    return store.child(JOBS, job)
+
+
+def model_place(store: Place, key: str) -> Place:
+    """The place of what the runs of a sweep share."""
+    return store.child(MODELS, key)
+
+
+def open_group(place: Place, name: str, mode: Literal["r", "w", "a"]) -> tuple[zarr.Group, Any]:
+    """A Zarr group of a place, and the store under it (for ``place.sync``)."""
+    store = place.zarr(name, read_only=mode == "r")
+    return zarr.open_group(store, mode=mode, zarr_format=3), store
+
+
+def shard_key(layout: ArrayLayout, index: int) -> str:
+    """Name of the object that holds a shard: shards divide the first axis only."""
+    return ".".join(["c", str(index), *["0"] * (len(layout.shape) - 1)])
 
 
 def array_layouts(plan: RunPlan) -> tuple[ArrayLayout, ...]:
@@ -133,4 +181,8 @@ def create_array(group: zarr.Group, layout: ArrayLayout, rows: int) -> Any:
         shards=None if shard == chunk else shard,
         compressors=BloscCodec(cname="zstd", clevel=1, shuffle="shuffle"),
         fill_value=float("nan"),
+        # A shard is one object directly below its array, even where it holds nothing but NaN.
+        chunk_key_encoding={"name": "default", "separator": "."},
+        config={"write_empty_chunks": True},
+        overwrite=True,
     )

@@ -1,16 +1,15 @@
-"""A run's plan on disk: names and numbers as JSON, arrays as Zarr."""
+"""A run's plan in the store: names and numbers as JSON, arrays as Zarr."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import zarr
 
 from server.store.documents import read_document, write_document
-from server.store.layout import PLAN, PLAN_ARRAYS
+from server.store.layout import PLAN, PLAN_ARRAYS, open_group
+from server.store.place import Place
 from solver.results import (
     BodyGeometry,
     ChannelSpec,
@@ -28,12 +27,13 @@ StoredPlan = RunPlan
 """What a reader gives back is what the simulation stated."""
 
 
-def write_plan(folder: Path, plan: RunPlan) -> None:
+def write_plan(place: Place, plan: RunPlan) -> None:
     """Stores the plan; the JSON file comes last, so that a plan that exists is complete."""
-    _write_arrays(folder, plan)
+    _write_arrays(place, plan)
     geometry, slab = plan.geometry, plan.slab
     write_document(
-        folder / PLAN,
+        place,
+        PLAN,
         {
             "n_step": plan.n_step,
             "time_step": plan.time_step,
@@ -55,12 +55,12 @@ def write_plan(folder: Path, plan: RunPlan) -> None:
     )
 
 
-def read_plan(folder: Path) -> RunPlan | None:
+def read_plan(place: Place) -> RunPlan | None:
     """The stored plan, or None where a run has not stated it yet (or has none)."""
-    document = read_document(folder / PLAN)
+    document = read_document(place, PLAN)
     if document is None:
         return None
-    arrays = _read_arrays(folder)
+    arrays = _read_arrays(place)
     return RunPlan(
         n_step=document["n_step"],
         time_step=document["time_step"],
@@ -80,9 +80,9 @@ def read_plan(folder: Path) -> RunPlan | None:
     )
 
 
-def _write_arrays(folder: Path, plan: RunPlan) -> None:
+def _write_arrays(place: Place, plan: RunPlan) -> None:
     geometry = plan.geometry
-    group = zarr.open_group(folder / PLAN_ARRAYS, mode="w")
+    group, store = open_group(place, PLAN_ARRAYS, "w")
     arrays: dict[str, Any] = {
         "vertices": geometry.vertices,
         "wheel_offsets": geometry.wheels.offsets,
@@ -94,10 +94,11 @@ def _write_arrays(folder: Path, plan: RunPlan) -> None:
     arrays |= {f"faces_{i}": layer.faces for i, layer in enumerate(geometry.layers)}
     for name, values in arrays.items():
         group.create_array(name, data=np.ascontiguousarray(values))
+    place.sync(store)
 
 
-def _read_arrays(folder: Path) -> dict[str, Any]:
-    group = zarr.open_group(folder / PLAN_ARRAYS, mode="r")
+def _read_arrays(place: Place) -> dict[str, Any]:
+    group, _ = open_group(place, PLAN_ARRAYS, "r")
     return {name: np.asarray(array[...]) for name, array in group.arrays()}
 
 

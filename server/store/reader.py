@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-import zarr
 
 from server.store.documents import read_document
-from server.store.layout import COMMIT, DONE, LIVE, RESULT, SUMMARY
+from server.store.failures import explained
+from server.store.layout import COMMIT, DONE, LIVE, RESULT, SUMMARY, open_group
+from server.store.place import Place, as_place
 from server.store.plan import StoredPlan, read_plan
 from solver.arrays import IntVector, Matrix, Vector
 from solver.results import Frame
@@ -40,9 +41,14 @@ class RunReader:
     a step. All values are SI.
     """
 
-    def __init__(self, folder: Path) -> None:
-        """Opens nothing yet: a folder that is still empty has nothing committed."""
-        self.folder = folder
+    def __init__(self, place: Place | Path) -> None:
+        """Opens nothing yet: a place that is still empty has nothing committed.
+
+        Args:
+            place: Of one attempt.
+        """
+        self.place = as_place(place)
+        self._last_commit: _Commit | None = None
         self._groups: dict[str, dict[str, Any]] = {}
         self._plan: StoredPlan | None = None
 
@@ -54,7 +60,7 @@ class RunReader:
             NotStoredError: The run has not come to its first step.
         """
         if self._plan is None:
-            self._plan = read_plan(self.folder)
+            self._plan = read_plan(self.place)
         if self._plan is None:
             raise NotStoredError("The run has no histories yet.")
         return self._plan
@@ -80,12 +86,12 @@ class RunReader:
     @property
     def done(self) -> bool:
         """Whether the run ended and everything is stored."""
-        return (self.folder / DONE).exists()
+        return self.place.exists(DONE)
 
     @property
     def summary(self) -> dict[str, Any] | None:
         """Verdicts, peaks, timings, versions; None before the run has ended."""
-        return read_document(self.folder / SUMMARY)
+        return read_document(self.place, SUMMARY)
 
     def times(self, start: int = 0, stop: int | None = None) -> Vector:
         """Times of the samples from ``start`` up to ``stop``. [s]"""
@@ -177,8 +183,8 @@ class RunReader:
             first = max(0, min(start, last))
             rows: Any = slice(first, last)
             selection = rows if columns is None else (rows, columns)
-            array = self._array(commit.group, name)
-            if array is None or first >= last:
+            array = self._array(commit.group, name) if first < last else None
+            if array is None:
                 return np.empty(_empty_shape(columns))
             return np.asarray(array[selection], dtype=np.float64)
 
@@ -198,7 +204,8 @@ class RunReader:
         while True:
             before = self._commit()
             try:
-                values = read(before)
+                with explained(self.place.url):
+                    values = read(before)
             except (FileNotFoundError, KeyError):
                 if self._commit().group == before.group:
                     raise
@@ -207,15 +214,20 @@ class RunReader:
                 return values
 
     def _commit(self) -> _Commit:
-        document = read_document(self.folder / COMMIT)
+        if self._last_commit is not None:
+            return self._last_commit
+        document = read_document(self.place, COMMIT)
         if document is None:
             return _Commit(LIVE, 0, 0)
-        return _Commit(document["group"], document["samples"], document["frames"])
+        commit = _Commit(document["group"], document["samples"], document["frames"])
+        if commit.group == RESULT:  # the last one of an attempt
+            self._last_commit = commit
+        return commit
 
     def _array(self, group: str, name: str) -> Any:
         arrays = self._groups.setdefault(group, {})
         if name not in arrays:
-            opened = zarr.open_group(self.folder / group, mode="r").get(name)
+            opened = open_group(self.place, group, "r")[0].get(name)
             if opened is None:
                 return None
             arrays[name] = opened

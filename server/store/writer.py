@@ -2,23 +2,30 @@
 
 Rows gather in buffers of a fixed size and leave as whole shards. A shard's length is chosen from
 the run's own pace, so that one fills in a few seconds; at the end the arrays are rewritten into
-long shards, from which one channel or one frame is read quickly.
+long shards, from which one channel or one frame is read quickly. On a local disk a frame is a
+shard of its own; in an object store, where every object costs a request, frames gather like rows.
+
+What a power cut leaves: everything that ``commit.json``, ``checkpoint`` or ``DONE`` speaks of is
+on the disk before they are.
 """
 
 from __future__ import annotations
 
-import os
-import shutil
 import time
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import zarr
+from numpy.typing import NDArray
 
+from server.store.checkpoint import Checkpoint, WaitingRows, write_checkpoint
 from server.store.documents import write_document
+from server.store.failures import CheckpointError, StoreError, explained, explained_writing
 from server.store.layout import (
+    CHECKPOINT,
     COMMIT,
     DONE,
     LIVE,
@@ -27,15 +34,18 @@ from server.store.layout import (
     ArrayLayout,
     array_layouts,
     create_array,
+    open_group,
 )
+from server.store.place import CLAIM, Place, as_place
 from server.store.plan import write_plan
+from server.store.shards import ShardBuffer
 from solver.arrays import Vector
 from solver.results import Frame, RunPlan, Sample
 
 __all__ = ["RunWriter", "write_summary"]
 
 _BUFFER_BYTES = 32 * 1024 * 1024
-"""Most memory that waiting rows take. [B]"""
+"""Most memory that waiting rows take, and waiting frames. [B]"""
 _BUFFER_ROWS = 2048
 """Most rows that wait, where rows are short."""
 _SHARD_SECONDS = 2.0
@@ -49,8 +59,11 @@ _LONG_SHARD_ROWS = 16384
 class RunWriter:
     """Stores one attempt at a run.
 
+    Every method that writes raises ``StoreError`` where the store fails and ``StoreFullError``
+    where it is full; what was committed before stays readable.
+
     Example:
-        writer = RunWriter(folder, simulation.plan)
+        writer = RunWriter(place, simulation.plan)
         for sample in simulation.samples():
             writer.append(sample)
         writer.seal()
@@ -59,52 +72,99 @@ class RunWriter:
 
     def __init__(
         self,
-        folder: Path,
+        place: Place | Path,
         plan: RunPlan,
         *,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Creates the folder and stores the plan.
+        """Empties the place (but for its claim) and stores the plan.
 
         Args:
-            folder: Of this attempt; anything left in it by an earlier one is removed.
+            place: Of this attempt.
             plan: The run's plan.
             clock: Time that sets the shards' length. [s]
         """
-        self.folder = folder
+        self.place = as_place(place)
         self.plan = plan
         self._clock = clock
-        self._layouts = {layout.name: layout for layout in array_layouts(plan)}
-        self._by_sample = [item for item in self._layouts.values() if not item.by_frame]
-        row_bytes = sum(layout.row_bytes for layout in self._by_sample)
-        self._capacity = max(1, min(_BUFFER_ROWS, _BUFFER_BYTES // row_bytes, plan.n_sample))
-        self._buffers = {
-            layout.name: np.empty((self._capacity, *layout.shape[1:]), layout.dtype)
-            for layout in self._by_sample
-        }
-        self._arrays: dict[str, Any] = {}
         self._started: float | None = None
-        self._base = self._waiting = self._frames = 0
-        self._ended = self._sealed = False
-        shutil.rmtree(folder, ignore_errors=True)
-        folder.mkdir(parents=True)
-        write_plan(folder, plan)
-        self._group = zarr.open_group(folder / LIVE, mode="w")
-        self._frame_arrays = {
-            layout.name: create_array(self._group, layout, 1)
-            for layout in self._layouts.values()
-            if layout.by_frame
-        }
+        self._sealed = False
+        self._layouts = array_layouts(plan)
+        self._samples = _sample_buffer(plan, self._layouts)
+        self._frames = _frame_buffer(plan, self._layouts, local=self.place.local is not None)
+        with self._writing():
+            for name in self.place.names():
+                if name != CLAIM:
+                    self.place.remove(name)
+            write_plan(self.place, plan)
+            self._group, self._store = open_group(self.place, LIVE, "w")
+
+    @classmethod
+    def resumed(
+        cls,
+        place: Place | Path,
+        plan: RunPlan,
+        previous: Place | Path,
+        checkpoint: Checkpoint,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> RunWriter:
+        """A writer that goes on where an earlier attempt's checkpoint stands.
+
+        What that attempt had stored up to its checkpoint is taken over (shards that never change,
+        so that it does not matter if it still writes), with a checkpoint of its own: this attempt
+        does not need the earlier one any more. The next sample is ``checkpoint.step + 1``.
+
+        Args:
+            place: Of this attempt.
+            plan: The run's plan, the same as before.
+            previous: Place of the earlier attempt.
+            checkpoint: As ``read_checkpoint(previous)`` gave it.
+            clock: Time that sets the shards' length. [s]
+
+        Raises:
+            CheckpointError: The earlier attempt's shards are gone or of another run: begin anew.
+            StoreError: The store fails.
+        """
+        writer = cls(place, plan, clock=clock)
+        source, target = as_place(previous).child(LIVE), writer.place.child(LIVE)
+        try:
+            with explained(writer.place.url):
+                for buffer, stood in (
+                    (writer._samples, checkpoint.samples),
+                    (writer._frames, checkpoint.frames),
+                ):
+                    buffer.restore(
+                        writer._group,
+                        base=stood.base,
+                        capacity=stood.capacity,
+                        rows=stood.rows,
+                        source=source,
+                        target=target,
+                    )
+        except (FileNotFoundError, KeyError, ValueError) as error:
+            raise CheckpointError(
+                f"The checkpoint of step {checkpoint.step} at {as_place(previous).url} cannot be "
+                f"continued ({error}). Compute the run from its beginning."
+            ) from error
+        writer._publish(LIVE)
+        writer.checkpoint(checkpoint.state)
+        return writer
+
+    @property
+    def expected_step(self) -> int:
+        """The step of the next sample."""
+        return self._samples.count
 
     @property
     def buffered_rows(self) -> int:
         """Rows that wait in memory."""
-        return self._waiting
+        return self._samples.waiting
 
     @property
     def buffer_bytes(self) -> int:
         """Memory of the buffers: fixed when the writer is made. [B]"""
-        return sum(buffer.nbytes for buffer in self._buffers.values())
+        return self._samples.nbytes + self._frames.nbytes
 
     def append(self, sample: Sample) -> None:
         """Takes one sample; writes a shard when it is full.
@@ -112,63 +172,68 @@ class RunWriter:
         Raises:
             ValueError: The sample is not the next one, or its frame is missing or out of turn.
         """
-        expected = self._base + self._waiting
-        if self._ended or sample.step != expected:
+        expected = self.expected_step
+        if self._sealed or self._samples.ended or sample.step != expected:
             raise ValueError(f"sample {sample.step} came where {expected} was expected")
         if self._started is None:
             self._started = self._clock()
-        row = self._waiting
-        self._buffers["time"][row] = sample.time
-        for name, values in (("channels", sample.channels), ("slab", sample.slab)):
-            if name in self._buffers:
-                self._buffers[name][row] = values
         if sample.frame is not None:
             self._append_frame(sample.step, sample.frame)
-        self._waiting += 1
-        if self._waiting >= self._capacity or self._pace_is_known():
+        self._samples.put({"time": sample.time, "channels": sample.channels, "slab": sample.slab})
+        if self._samples.full or self._pace_is_known():
             self.flush()
 
     def flush(self) -> None:
-        """Writes and publishes what waits; the first flush fixes the shards' length.
-
-        A shard is written once: a reader takes its index and its chunks in two looks, and a shard
-        replaced between them would be torn. So no sample may follow a shard that is not full.
-        """
-        if not self._waiting:
+        """Writes and publishes what waits; the first flush fixes the shards' length."""
+        if not self._samples.waiting:
             return
-        if not self._arrays:
-            self._capacity = self._waiting
-            self._arrays = {
-                layout.name: create_array(self._group, layout, self._capacity)
-                for layout in self._by_sample
-            }
-        stop = self._base + self._waiting
-        for name, array in self._arrays.items():
-            array[self._base : stop] = self._buffers[name][: self._waiting]
-        self._ended = self._waiting < self._capacity
-        self._base, self._waiting = stop, 0
-        self._publish(LIVE, stop)
+        with self._writing():
+            self._samples.flush(self._group)
+            if self._samples.ended or not self._frames.fixed:
+                self._frames.flush(self._group)
+        self._publish(LIVE)
+
+    def checkpoint(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Stores everything that a new attempt needs to go on after the last sample.
+
+        Args:
+            state: Of the simulation at the last sample, as ``Simulation.state`` gives it.
+
+        Raises:
+            ValueError: No sample can follow the last one, or there is none yet.
+        """
+        if self._sealed or self._samples.ended or not self._samples.count:
+            raise ValueError("there is nothing that a checkpoint could go on from")
+        with self._writing():
+            self.place.sync(self._store)
+        write_checkpoint(
+            self.place,
+            Checkpoint(
+                step=self.expected_step - 1,
+                state=state,
+                samples=_standing(self._samples),
+                frames=_standing(self._frames),
+            ),
+        )
 
     def seal(self) -> None:
-        """Writes the rest and rewrites every array into long shards."""
+        """Writes the rest and rewrites every array into long shards.
+
+        The short ones stay until ``finish``: an attempt that is killed before goes on from them.
+        """
         if self._sealed:
             return
-        self.flush()
-        committed = self._base
-        group = zarr.open_group(self.folder / RESULT, mode="w")
-        for layout in self._layouts.values():
-            source = self._frame_arrays if layout.by_frame else self._arrays
-            filled = self._frames if layout.by_frame else committed
-            if layout.name in source:
-                _rewrite(group, layout, source[layout.name], filled)
-        group.create_array(
-            "frame_step", data=np.arange(self.plan.n_frame, dtype=np.int64) * self.plan.frame_stride
-        )
+        self._flush_all()
+        with self._writing():
+            group, store = open_group(self.place, RESULT, "w")
+            for buffer in (self._samples, self._frames):
+                for name, array in buffer.arrays.items():
+                    _rewrite(group, buffer.layouts[name], array, buffer.base)
+            steps = np.arange(self.plan.n_frame, dtype=np.int64) * self.plan.frame_stride
+            group.create_array("frame_step", data=steps)
+            self.place.sync(store)
         self._sealed = True
-        self._publish(RESULT, committed)
-        # Only now: a reader that still looked at the short shards sees the new group and reads
-        # again.
-        shutil.rmtree(self.folder / LIVE, ignore_errors=True)
+        self._publish(RESULT)
 
     def add_filtered(self, histories: Mapping[str, Vector]) -> None:
         """Stores filtered histories of the whole run beside the channels, by name, SI."""
@@ -179,48 +244,86 @@ class RunWriter:
         layout = ArrayLayout(
             name="filtered", shape=(self.plan.n_sample, len(names)), dtype="float64"
         )
-        group = zarr.open_group(self.folder / RESULT, mode="a")
-        array = create_array(group, layout, _LONG_SHARD_ROWS)
-        array[:] = np.column_stack([histories[name] for name in names])
-        array.attrs["names"] = names
+        with self._writing():
+            group, store = open_group(self.place, RESULT, "a")
+            array = create_array(group, layout, _LONG_SHARD_ROWS)
+            array[:] = np.column_stack([histories[name] for name in names])
+            array.attrs["names"] = names
+            self.place.sync(store)
 
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Seals the arrays, stores the summary and sets the marker that all of it is there."""
         self.seal()
-        write_summary(self.folder, summary)
+        write_summary(self.place, summary)
+        # Only now: a reader that still looked at the short shards sees the new group and reads
+        # again, and nobody goes on from a run that is done.
+        self.place.remove(CHECKPOINT)
+        self.place.remove(LIVE)
 
     def abort(self) -> None:
         """Publishes what waits, so that an interrupted run can be looked at up to its end."""
-        if not self._sealed:
-            self.flush()
+        if self._sealed:
+            return
+        # What interrupted the run is what people shall read, not that the rest has no room.
+        with suppress(StoreError):
+            self._flush_all()
+
+    def _flush_all(self) -> None:
+        self.flush()
+        if self._frames.waiting:
+            with self._writing():
+                self._frames.flush(self._group)
+            self._publish(LIVE)
 
     def _append_frame(self, step: int, frame: Frame) -> None:
-        if step != self._frames * self.plan.frame_stride:
+        if step != self._frames.count * self.plan.frame_stride:
             raise ValueError(f"the frame of step {step} came out of turn")
-        for name, values in (("frames", frame.displacement), ("bodies", frame.bodies)):
-            if name in self._frame_arrays:
-                self._frame_arrays[name][self._frames] = values.astype(np.float32)
-        self._frames += 1
+        self._frames.put({"frames": frame.displacement, "bodies": frame.bodies})
+        if self._frames.full:
+            with self._writing():
+                self._frames.flush(self._group)
 
     def _pace_is_known(self) -> bool:
-        if self._arrays or self._started is None:
+        if self._samples.fixed or self._started is None:
             return False
         return self._clock() - self._started >= _SHARD_SECONDS
 
-    def _publish(self, group: str, samples: int) -> None:
-        document = {"group": group, "samples": samples, "frames": self._frames}
-        write_document(self.folder / COMMIT, document)
+    def _publish(self, group: str) -> None:
+        """Says what can be read, after it is on the disk."""
+        document = {"group": group, "samples": self._samples.base, "frames": self._frames.base}
+        with self._writing():
+            self.place.sync(self._store)
+            write_document(self.place, COMMIT, document)
+
+    def _writing(self) -> AbstractContextManager[None]:
+        return explained_writing(self.place.url)
 
 
-def write_summary(folder: Path, summary: Mapping[str, Any]) -> None:
-    """Stores a summary and marks the folder as complete, also on the disk itself."""
-    folder.mkdir(parents=True, exist_ok=True)
-    write_document(folder / SUMMARY, summary)
-    for path in folder.rglob("*"):
-        if path.is_file():
-            with path.open("rb") as file:
-                os.fsync(file.fileno())
-    write_document(folder / DONE, {"files": "complete"})
+def write_summary(place: Place | Path, summary: Mapping[str, Any]) -> None:
+    """Stores a summary and then the marker that all of the attempt is there."""
+    place = as_place(place)
+    write_document(place, SUMMARY, summary)
+    write_document(place, DONE, {"files": "complete"})
+
+
+def _sample_buffer(plan: RunPlan, layouts: tuple[ArrayLayout, ...]) -> ShardBuffer:
+    chosen = [layout for layout in layouts if not layout.by_frame]
+    row_bytes = sum(layout.row_bytes for layout in chosen)
+    return ShardBuffer(chosen, min(_BUFFER_ROWS, _BUFFER_BYTES // row_bytes, plan.n_sample))
+
+
+def _frame_buffer(plan: RunPlan, layouts: tuple[ArrayLayout, ...], *, local: bool) -> ShardBuffer:
+    chosen = [layout for layout in layouts if layout.by_frame]
+    row_bytes = sum(layout.row_bytes for layout in chosen)
+    if local or not row_bytes:
+        return ShardBuffer(chosen, 1)
+    return ShardBuffer(chosen, min(_BUFFER_ROWS, _BUFFER_BYTES // row_bytes, plan.n_frame))
+
+
+def _standing(buffer: ShardBuffer) -> WaitingRows:
+    return WaitingRows(
+        base=buffer.base, capacity=buffer.capacity if buffer.fixed else 0, rows=buffer.rows()
+    )
 
 
 def _rewrite(group: zarr.Group, layout: ArrayLayout, source: Any, filled: int) -> None:

@@ -16,14 +16,27 @@ interior that belongs to the interface found). Together they are one large solve
 
 from __future__ import annotations
 
+import platform
+from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
+import scipy
+from numpy.typing import NDArray
 
-from solver.arrays import FloatArray, IntVector, Matrix, SparseMatrix, Vector
+from solver.arrays import Arrays, FloatArray, IntVector, Matrix, SparseMatrix, Vector
 
-__all__ = ["CondensedFactorisation", "Factorisation", "back_end_name", "condense", "factorise"]
+__all__ = [
+    "Condense",
+    "CondensedFactorisation",
+    "Factorisation",
+    "arithmetic",
+    "back_end_name",
+    "condense",
+    "factorise",
+    "restored",
+]
 
 
 class Factorisation(Protocol):
@@ -50,6 +63,14 @@ class CondensedFactorisation(Protocol):
         """All unknowns, shape (n_dof,), once the interface's are known; follows ``forward``."""
         ...
 
+    def stored(self) -> Arrays | None:
+        """The factorisation for ``restored`` in another process, None where it cannot be had."""
+        ...
+
+
+Condense: TypeAlias = Callable[[SparseMatrix, IntVector, str], CondensedFactorisation]
+"""``condense``, or what stands in for it: something that remembers factors."""
+
 
 @cache
 def _pardiso() -> Any | None:
@@ -67,6 +88,21 @@ def _pardiso() -> Any | None:
 def back_end_name() -> str:
     """Name of the back end in use: ``MKL PARDISO`` or ``SuperLU``."""
     return "SuperLU" if _pardiso() is None else "MKL PARDISO"
+
+
+@cache
+def arithmetic() -> str:
+    """All that the last bits of a result depend on: processor, libraries, their versions."""
+    pardiso = _pardiso()
+    configuration: Any = np.show_config(mode="dicts")
+    instructions = configuration.get("SIMD Extensions", {}).get("found", [])
+    return "; ".join(
+        [
+            f"{platform.system()} {platform.machine()} {' '.join(instructions)}",
+            f"numpy {np.__version__}, scipy {scipy.__version__}",
+            back_end_name() if pardiso is None else pardiso.library_kind(),
+        ]
+    )
 
 
 def factorise(matrix: SparseMatrix, part: str) -> Factorisation:
@@ -105,3 +141,18 @@ def condense(matrix: SparseMatrix, interface: IntVector, part: str) -> Condensed
     from solver.factorisation.superlu import SuperLUCondensation
 
     return SuperLUCondensation(matrix, interface, part)
+
+
+def restored(
+    matrix: SparseMatrix, interface: IntVector, part: str, arrays: Mapping[str, NDArray[Any]]
+) -> CondensedFactorisation | None:
+    """What ``condense`` gives, from its ``stored`` arrays made on a machine of one ``arithmetic``.
+
+    Returns:
+        The factorisation, equal to the last bit, or None where the back end does not take it.
+    """
+    pardiso = _pardiso()
+    if pardiso is None:
+        return None
+    interface = np.asarray(interface, dtype=np.int64)
+    return pardiso.PardisoCondensation.restored(matrix, interface, part, arrays)

@@ -79,6 +79,9 @@ class SuperLUCondensation:
         self._solution[self._interface] = interface
         return self._solution
 
+    def stored(self) -> None:
+        """SuperLU's factors cannot be rebuilt from arrays."""
+
     def _solve(self, load: Vector) -> Vector:
         """All unknowns under a load, the interface's from the complement."""
         return self.backward(solve_complement(self.complement, self.forward(load), self._part))

@@ -17,13 +17,14 @@ equation then reads
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from solver.arrays import FloatArray
+from solver.arrays import Arrays, FloatArray, attributes_of, below, put_back, under
 from solver.errors import InputError
 from solver.integrators.stability import require_unconditional_stability
 
@@ -224,3 +225,15 @@ class HHTIntegrator:
             motion.displacement[:] = new
             motion.velocity[:] = method.a1 * new - viscous
             motion.acceleration[:] = method.a0 * new - inertia
+
+    def state(self) -> Arrays:
+        """Copies of the motions: ``<part>/displacement`` and so on."""
+        state: Arrays = {}
+        for index, motion in enumerate(self.motions):
+            state |= under(str(index), attributes_of(motion))
+        return state
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Takes the motions that ``state`` gave."""
+        for index, motion in enumerate(self.motions):
+            put_back(motion, below(str(index), state))

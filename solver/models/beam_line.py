@@ -11,7 +11,7 @@ the columns of one array.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sparse
@@ -139,6 +139,36 @@ class BeamLine:
     def n_node(self) -> int:
         """Nodes of one line."""
         return self.positions.size
+
+    def dofs_up_to(self, last: int) -> IntVector:
+        """Freedoms of the nodes up to one, and of the sleepers below them."""
+        nodes = np.arange(2 * (last + 1))
+        if self.sleepers is None:
+            return nodes
+        own = np.flatnonzero(self.sleepers.nodes <= last)
+        return np.concatenate([nodes, 2 * self.n_node + own])
+
+    def held_beyond(self, last: int) -> BeamLine:
+        """The line up to a node, the next one held: the same matrices without what follows."""
+        kept, sleepers = self.dofs_up_to(last), self.sleepers
+        if sleepers is not None:
+            own = sleepers.nodes <= last
+            sleepers = replace(
+                sleepers,
+                nodes=sleepers.nodes[own],
+                pad_stiffness=sleepers.pad_stiffness[own],
+                pad_damping=sleepers.pad_damping[own],
+            )
+        return replace(
+            self,
+            positions=self.positions[: last + 1],
+            connected=self.connected[:last],
+            free=self.free[: last + 1],
+            mass=self.mass[kept][:, kept],
+            damping=self.damping[kept][:, kept],
+            stiffness=self.stiffness[kept][:, kept],
+            sleepers=sleepers,
+        )
 
     def locate(self, x: Vector) -> tuple[IntVector, FloatArray]:
         """Element under each position and its Hermite rows.

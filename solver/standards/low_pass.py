@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy import signal
 
 from solver.arrays import Matrix
 from solver.errors import InputError
@@ -42,6 +41,9 @@ def low_pass(history: Matrix, time_step: float, cut_off: float) -> Matrix:
     Raises:
         InputError: The cut-off is not positive or the samples are too far apart for it.
     """
+    # Imported here: it takes 45 MB that a server which only asks for limits does not need.
+    from scipy import signal
+
     design = DESIGN_FACTOR * cut_off
     nyquist = 0.5 / time_step
     if not 0.0 < design < nyquist:

@@ -6,7 +6,8 @@ from solver.studies.check import Quantity, Report, check
 from solver.studies.estimate import Estimate
 from solver.studies.json import to_json
 from solver.studies.modes import modal_analysis
-from solver.studies.prepare import prepare, runs_of
+from solver.studies.prepare import prepare, prepare_model, runs_of
+from solver.studies.shared import model_key
 from solver.studies.simulate import simulate
 from solver.studies.study import Study
 from solver.studies.templates import Template, template, templates
@@ -22,7 +23,9 @@ __all__ = [
     "assess",
     "check",
     "modal_analysis",
+    "model_key",
     "prepare",
+    "prepare_model",
     "runs_of",
     "simulate",
     "template",

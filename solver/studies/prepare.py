@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from solver.arrays import Cache
 from solver.data import load
 from solver.errors import InputError
 from solver.factorisation import back_end_name
@@ -13,12 +14,12 @@ from solver.models.train import GRAVITY
 from solver.results import RunPlan
 from solver.simulation import Simulation
 from solver.studies.crossing import crossing
-from solver.studies.member_modes import member_frequencies
 from solver.studies.observe import Recording, record
 from solver.studies.scene import Scene, StageListener, build_scene
+from solver.studies.shared import Shared
 from solver.studies.study import Contact, Study
 
-__all__ = ["prepare", "runs_of"]
+__all__ = ["prepare", "prepare_model", "runs_of"]
 
 
 def runs_of(study: Study) -> tuple[dict[str, float], ...]:
@@ -26,8 +27,28 @@ def runs_of(study: Study) -> tuple[dict[str, float], ...]:
     return tuple({"speed": speed} for speed in study.sweep.speeds)
 
 
+def prepare_model(study: Study, cache: Cache, report: StageListener = lambda stage: None) -> None:
+    """Makes what the runs of a study share, and saves it in a cache for ``prepare``.
+
+    What the cache holds already, and fits, is left as it is.
+
+    Args:
+        study: The study; ``check`` it first.
+        cache: Where it is saved, one of its own for each ``model_key``.
+        report: Told the name of each stage as it begins.
+
+    Raises:
+        InputError: The parts do not fit together.
+        SingularSystemError: Something can move without resistance.
+    """
+    _prepare(study, 0, report, Shared(cache, saves=True))
+
+
 def prepare(
-    study: Study, run_index: int = 0, report: StageListener = lambda stage: None
+    study: Study,
+    run_index: int = 0,
+    report: StageListener = lambda stage: None,
+    cache: Cache | None = None,
 ) -> Simulation:
     """Builds the models of one run, factorises, and finds the static start.
 
@@ -35,6 +56,8 @@ def prepare(
         study: The study; ``check`` it first.
         run_index: Which point of the sweep.
         report: Told the name of each stage as it begins.
+        cache: What ``prepare_model`` filled for this study; what is missing in it, or does not
+            fit, is made anew. The simulation is the same to the last bit with it and without.
 
     Returns:
         The simulation.
@@ -43,6 +66,10 @@ def prepare(
         InputError: The parts do not fit together, or there is no such run.
         SingularSystemError: Something can move without resistance.
     """
+    return _prepare(study, run_index, report, Shared(cache))
+
+
+def _prepare(study: Study, run_index: int, report: StageListener, shared: Shared) -> Simulation:
     runs = runs_of(study)
     if not 0 <= run_index < len(runs):
         raise InputError(
@@ -51,9 +78,9 @@ def prepare(
     speed = runs[run_index]["speed"]
     extent = crossing(study, speed)
     method = HHT(study.integration.alpha, study.integration.time_step)
-    scene = build_scene(study, extent, speed, report)
+    scene = build_scene(study, extent, speed, report, shared)
     recording = record(study, scene, method.alpha * method.time_step)
-    facts = _facts(study, scene, recording, report)
+    facts = _facts(study, scene, recording, report, shared)
     step = method.time_step
     plan = RunPlan(
         n_step=extent.n_step,
@@ -68,11 +95,18 @@ def prepare(
         facts=facts,
     )
     report("factorising and finding the static start")
-    return Simulation(plan, scene.system, method, recording.observation)
+    return Simulation(
+        plan,
+        scene.system,
+        method,
+        recording.observation,
+        static=shared.static_start(scene.system),
+        condenser=shared.condense,
+    )
 
 
 def _facts(
-    study: Study, scene: Scene, recording: Recording, report: StageListener
+    study: Study, scene: Scene, recording: Recording, report: StageListener, shared: Shared
 ) -> dict[str, object]:
     """What the summary says about the model, in SI units and plain words."""
     line, structure = scene.system.line, scene.structure
@@ -96,7 +130,7 @@ def _facts(
     facts["mesh_accuracy"] = _accuracy(study.mesh_level)
     facts["assumed"] = list(_ASSUMED)
     facts["approach_bed_stiffness"] = scene.bed_stiffness
-    facts["member_frequencies"] = member_frequencies(structure, recording.slab.judged_spans)
+    facts["member_frequencies"] = shared.frequencies(structure, recording.slab.judged_spans)
     return facts
 
 

@@ -15,15 +15,15 @@ from solver.models.ballasted_track import TrackProperties
 from solver.models.beam_bridge import BeamBridge, beam_bridge_line
 from solver.models.beam_line import BeamLine
 from solver.models.rails import ELEMENTS_PER_BAY, rail_line
-from solver.models.structure import build_structure
 from solver.models.structure_model import StructureModel
 from solver.models.train import GRAVITY, TrainModel, build_train
 from solver.models.viaduct import ViaductProperties
 from solver.studies.crossing import Crossing
+from solver.studies.shared import Shared
 from solver.studies.study import Study
 from solver.system import System
 from solver.system.system import RailProfiles, TrainMatrices
-from solver.system.track_compliance import matched_approach, structure_matrices
+from solver.system.track_compliance import structure_matrices
 
 __all__ = ["Scene", "build_scene"]
 
@@ -48,7 +48,13 @@ class Scene:
     bed_stiffness: float
 
 
-def build_scene(study: Study, extent: Crossing, speed: float, report: StageListener) -> Scene:
+def build_scene(
+    study: Study,
+    extent: Crossing,
+    speed: float,
+    report: StageListener,
+    shared: Shared | None = None,
+) -> Scene:
     """Builds the models of one run.
 
     Args:
@@ -56,6 +62,7 @@ def build_scene(study: Study, extent: Crossing, speed: float, report: StageListe
         extent: Where the run begins and ends.
         speed: Speed of the run. [m/s]
         report: Told each stage.
+        shared: Where what runs share is had from; None makes all anew.
 
     Returns:
         The scene.
@@ -70,7 +77,9 @@ def build_scene(study: Study, extent: Crossing, speed: float, report: StageListe
         line = beam_bridge_line(study.viaduct, extent.path_start, extent.path_end)
         seat_nodes: IntVector = np.zeros(0, dtype=np.int64)
     else:
-        structure, line, seat_nodes, bed_stiffness = _ballasted(study, extent, report)
+        structure, line, seat_nodes, bed_stiffness = _ballasted(
+            study, extent, report, shared or Shared()
+        )
     return Scene(
         system=System(
             line=line,
@@ -93,7 +102,7 @@ def build_scene(study: Study, extent: Crossing, speed: float, report: StageListe
 
 
 def _ballasted(
-    study: Study, extent: Crossing, report: StageListener
+    study: Study, extent: Crossing, report: StageListener, shared: Shared
 ) -> tuple[StructureModel, BeamLine, IntVector, float]:
     """Viaduct, ballasted track and rails."""
     viaduct, track = study.viaduct, study.track
@@ -103,9 +112,9 @@ def _ballasted(
             'Choose track type "ballasted", or viaduct type "beam".',
         )  # fmt: skip
     report("building the viaduct")
-    structure = build_structure(viaduct, track, study.mesh_level)
+    structure = shared.structure(viaduct, track, study.mesh_level)
     report("matching the approach track")
-    approach = matched_approach(track, study.approach, study.mesh_level)
+    approach = shared.approach(track, study.approach, study.mesh_level)
     line, seat_nodes = rail_line(
         track,
         approach,

@@ -16,49 +16,35 @@ the contact rows of appendix A, a matrix of the number of wheels:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from solver.arrays import BoolVector, FloatArray, IntVector, Matrix, Vector
+from solver.arrays import (
+    Arrays,
+    BoolVector,
+    FloatArray,
+    IntVector,
+    Matrix,
+    Vector,
+    below,
+    under,
+)
 from solver.contact.complementarity import contact_forces, solve_contact
 from solver.contact.nonlinear import solve_hertz
 from solver.errors import UnstableError
+from solver.factorisation import Condense
+from solver.system.coupled_state import CoupledState
 from solver.system.parts import Coefficients, LinePart, StructurePart
 from solver.system.rigid_restart import MovingPart, RigidRestart
 from solver.system.system import System, TrainMatrices
 from solver.system.train_part import TrainPart
 
 __all__ = ["CoupledState", "EffectiveSystem", "System", "TrainMatrices"]
-
-
-@dataclass
-class CoupledState:
-    """Interface forces and statuses at the last step.
-
-    Attributes:
-        contact_forces: Shape (n_wheel,). [N]
-        closed: Which wheels touch.
-        pad_forces: Tension in the pads, line after line. [N]
-        compression: Of the nonlinear Hertz springs, negative where open, shape (n_wheel,). [m]
-        status_changes: Contacts lost or found since the start.
-        small_solves: Solves of the contact problem, Newton iterations included, since the start.
-        restarts: Restarts of rigid contact after an event.
-        impact_loss: Energy lost in them. [J]
-        impact_drive: Work of the drive in them. [J]
-    """
-
-    contact_forces: Vector
-    closed: BoolVector
-    pad_forces: Vector
-    compression: Vector
-    status_changes: int = 0
-    small_solves: int = 0
-    restarts: int = 0
-    impact_loss: float = 0.0
-    impact_drive: float = 0.0
 
 
 @dataclass
@@ -76,15 +62,24 @@ class EffectiveSystem:
         system: The system.
         coefficients: Of the effective equation.
         table: Whether the compliance of the rails is tabulated for moving wheels.
+        condenser: What factorises the structure, ``condense`` or what remembers its factors.
     """
 
-    def __init__(self, system: System, coefficients: Coefficients, table: bool = True) -> None:
+    def __init__(
+        self,
+        system: System,
+        coefficients: Coefficients,
+        table: bool = True,
+        condenser: Condense | None = None,
+    ) -> None:
         self.system = system
         self.coefficients = coefficients
         line, train = system.line, system.train
         self.lines = LinePart(line, coefficients, table)
         self.structure = (
-            None if system.structure is None else StructurePart(system.structure, coefficients)
+            None
+            if system.structure is None
+            else StructurePart(system.structure, coefficients, condenser)
         )
         self.train = (
             None
@@ -123,6 +118,21 @@ class EffectiveSystem:
         self.state.compression = compression
         if self._restart is not None:
             self._restart.reference_load = float(np.abs(contact_forces).mean())
+
+    def kept_state(self) -> Arrays:
+        """Copies of all that the next step depends on, the motions apart.
+
+        Free motions, histories and the wheels' places are those of one step only: the next one
+        makes them anew.
+        """
+        state = under("contact", self.state.arrays())
+        return state if self._restart is None else state | under("restart", self._restart.state())
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Takes what ``kept_state`` gave."""
+        self.state.restore(below("contact", state))
+        if self._restart is not None:
+            self._restart.restore(below("restart", state))
 
     @property
     def n_pad(self) -> int:

@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse as sparse
 
 from solver.arrays import BoolVector, FloatArray, IntVector, Matrix, SparseMatrix, Vector
-from solver.factorisation import condense
+from solver.factorisation import Condense, condense
 from solver.factorisation.chain import Chain
 from solver.factorisation.positive import positive_inverse
 from solver.models.beam_line import BeamLine
@@ -90,12 +90,18 @@ class StructurePart:
     and only M and the small remainder R are multiplied in a step.
     """
 
-    def __init__(self, matrices: StructureMatrices, coefficients: Coefficients) -> None:
+    def __init__(
+        self,
+        matrices: StructureMatrices,
+        coefficients: Coefficients,
+        condenser: Condense | None = None,
+    ) -> None:
         self.matrices = matrices
         self._coefficients = coefficients
         self._mass = sparse.csr_array(matrices.mass)
         effective = coefficients.effective(matrices.mass, matrices.damping, matrices.stiffness)
-        self._condensed = condense(effective, matrices.seats, "the structure")
+        condensed = condense if condenser is None else condenser
+        self._condensed = condensed(sparse.csr_array(effective), matrices.seats, "the structure")
         self.seat_compliance = positive_inverse(self._condensed.complement, "the structure")
         self.memory_bytes = self._condensed.memory_bytes
         self._remainder = _damping_remainder(matrices)

@@ -18,12 +18,14 @@ dashpots acts on the lines at once and on the structure from the next step on.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from solver.arrays import BoolVector, FloatArray, IntVector, Matrix, Vector
+from solver.arrays import Arrays, BoolVector, FloatArray, IntVector, Matrix, Vector
 from solver.contact.path import hermite
 from solver.contact.restart import Impulses, force_ripple, restart_forces, restart_impulses
 from solver.system.parts import Coefficients, LinePart
@@ -93,6 +95,14 @@ class RigidRestart:
         self.reference_load = 0.0
         self._place: _Place | None = None
         self._bend = np.zeros(self.wheels.size)
+
+    def state(self) -> Arrays:
+        """What the next step needs of the steps before: the gaps' second derivatives."""
+        return {"bend": np.array(self._bend)}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Takes what ``state`` gave."""
+        self._bend = np.array(state["bend"])
 
     def move(self, x: Vector, nodes: IntVector, rows: FloatArray) -> None:
         """Takes the wheels' places at the end of the step; the rows masked."""

@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import cast
 
 import numpy as np
-from scipy.optimize import brentq
 
 from solver.arrays import Vector
 from solver.errors import InputError
@@ -114,6 +113,9 @@ def matched_approach(
             f"three-dimensional track ({1e9 * target:.3g} nm/N)",
             "Check the track's stiffnesses, or give the bed's stiffness by hand.",
         )  # fmt: skip
+    # Imported here: a server that only checks studies does not need its memory.
+    from scipy.optimize import brentq
+
     exponent: float = cast(float, brentq(excess, _SOFTEST, _STIFFEST, xtol=1e-6))
     return replace(approach, bed_stiffness=10.0**exponent)
 

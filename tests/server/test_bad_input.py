@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
+import sqlite3
+import subprocess
+import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,11 +22,12 @@ from server.app import create_app
 from server.errors import Problem
 from server.jobs.strict_json import read_json
 from server.jobs.submission import admit, read_submission
-from server.settings import Limits
+from server.settings import DATABASE_NAME, Limits
 from solver import studies
 from tests.server import odd_batches
-from tests.server.server_case import Client, beam_study, every_route, serving, settings_for
+from tests.server.server_case import Client, beam_study, ended, every_route, serving, settings_for
 
+ROOT = Path(__file__).parents[2]
 MIB = 1024 * 1024
 BODY_METHODS = {"POST", "PUT", "PATCH"}
 
@@ -129,6 +135,7 @@ def test_a_body_that_streams_is_counted(client: Client, method: str, path: str) 
         ({"sweep": {"speeds": ["120"]}}, "/study/sweep/speeds/0"),
         ({"sweep": {"speeds": []}}, "/study/sweep/speeds"),
         ({"sweep": {"speeds": [1.0] * 501}}, "/study/sweep/speeds"),
+        ({"sweep": {"speeds": [1] * 1_000_000}}, "/study/sweep/speeds"),
         ({"integration": {"time_step": "1e-3"}}, "/study/integration/time_step"),
         ({"mesh_level": "ultra"}, "/study/mesh_level"),
         ({"wheels": 4}, "/study/wheels"),
@@ -161,7 +168,11 @@ def test_unusable_values_are_pointed_at(
         ({"study": 5}, "/study"),
         ({"study": []}, "/study"),
         ({"study": {}, "kind": "magic"}, "/kind"),
-        ({"study": {}, "priority": 1}, "/priority"),
+        ({"study": {}, "urgency": 1}, "/urgency"),
+        ({"study": {}, "priority": "high"}, "/priority"),
+        ({"study": {}, "priority": True}, "/priority"),
+        ({"study": {}, "priority": 1.0}, "/priority"),
+        ({"study": {}, "priority": -101}, "/priority"),
     ],
 )
 def test_unusable_submissions_are_pointed_at(
@@ -237,6 +248,10 @@ def test_each_limit_is_a_setting(tmp_path: Path) -> None:
         "jobs/none",
         "jobs/none/events",
         "jobs/none/verdicts",
+        "jobs/none/summary",
+        "jobs/none/log",
+        "jobs/%F0%9F%9A%84/study",
+        "jobs/none%00/log",
         "events?job=none",
         "runs/none",
         "runs/none/verdicts",
@@ -265,6 +280,84 @@ def test_unusable_queries_are_pointed_at(client: Client, query: str) -> None:
     answer = client.get(f"/api/v1/jobs?{query}")
     assert answer.status_code == 422
     assert problem(answer)["errors"][0]["pointer"] == query.split("=")[0]
+
+
+def older(folder: Path) -> None:
+    """A data folder from before migrations."""
+    with closing(sqlite3.connect(folder / DATABASE_NAME)) as connection, connection:
+        connection.execute("CREATE TABLE schema_version (version INTEGER)")
+        connection.execute("INSERT INTO schema_version VALUES (1)")
+
+
+def newer(folder: Path) -> None:
+    """A data folder of a version to come."""
+    with closing(sqlite3.connect(folder / DATABASE_NAME)) as connection, connection:
+        connection.execute("CREATE TABLE alembic_version (version_num VARCHAR(32))")
+        connection.execute("INSERT INTO alembic_version VALUES ('9999')")
+
+
+@pytest.mark.parametrize(
+    ("prepare", "options", "variables", "words"),
+    [
+        (None, ["--engine", "celery"], {}, "engine = celery (command line) is not an engine"),
+        (None, ["--engine", "tcp://10.1.2.3:8786"], {}, "Use tls://"),
+        (None, [], {"LIMITS_RUNS_PER_JOB": "-1"}, "limits.runs_per_job = -1"),
+        (None, [], {"QUOTA_BYTES": "-1"}, "must be at least 0"),
+        (None, [], {"LIMIT_RUNS": "1"}, "is not a setting"),
+        (None, ["--config", "none.toml"], {}, "--config"),
+        (None, ["--database", "mysql://h/d"], {}, "is not a database"),
+        (None, ["--store", "memory://"], {}, "memory://"),
+        (older, [], {}, "trainbridge migrate"),
+        (newer, [], {}, "Upgrade trainbridge"),
+    ],
+    ids=lambda value: getattr(value, "__name__", str(value)),
+)
+def test_a_server_that_cannot_start_says_why(
+    tmp_path: Path,
+    prepare: Callable[[Path], None] | None,
+    options: list[str],
+    variables: dict[str, str],
+    words: str,
+) -> None:
+    if prepare is not None:
+        prepare(tmp_path)
+    refused = serve(tmp_path, *options, **variables)
+    assert refused.returncode == 1
+    assert words in refused.stderr
+    assert "Traceback" not in refused.stderr
+
+
+def test_a_second_server_leaves_the_first_alone(tmp_path: Path) -> None:
+    settings = settings_for(tmp_path)
+    with serving(settings, compute=odd_batches.finish) as client:
+        for _ in range(2):
+            refused = serve(settings.data)
+            assert refused.returncode == 1
+            assert "--data" in refused.stderr
+            assert "Traceback" not in refused.stderr
+        job = client.post("/api/v1/jobs", json={"study": beam_study()}).json()
+        assert ended(client, job["id"])["state"] == "done"
+
+
+def test_the_server_stays_up(client: Client) -> None:
+    # After everything above.
+    assert client.json("health")["status"] == "ok"
+    job = client.post("/api/v1/jobs", json={"study": beam_study()}).json()
+    assert ended(client, job["id"])["state"] == "done"
+
+
+def serve(folder: Path, *options: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    """A server that should not start."""
+    own = {name: value for name, value in os.environ.items() if "TRAINBRIDGE" not in name}
+    return subprocess.run(
+        [sys.executable, "-m", "server", "serve", "--data", str(folder), "--port", "0", *options],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        cwd=ROOT,
+        env=own | {f"TRAINBRIDGE_{name}": value for name, value in variables.items()},
+        check=False,
+    )
 
 
 def test_values_are_shown_shortened(client: Client) -> None:

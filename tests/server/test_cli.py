@@ -1,4 +1,4 @@
-"""The command line without a server: templates and runs, and errors that can be read."""
+"""The command line: with a server and without one, and errors that can be read."""
 
 from __future__ import annotations
 
@@ -6,18 +6,29 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from server.store import RunReader
 from solver import studies
-from tests.server.server_case import short_study
+from tests.server import odd_batches
+from tests.server.server_case import (
+    Client,
+    ended,
+    serving,
+    settings_for,
+    short_study,
+    submit,
+)
 
 ROOT = Path(__file__).parents[2]
+TOKEN = "correct horse battery staple"
 
 
-def trainbridge(*words: str, given: str = "") -> subprocess.CompletedProcess[str]:
+def trainbridge(*words: str, given: str = "", **variables: str) -> subprocess.CompletedProcess[str]:
+    own = {name: value for name, value in os.environ.items() if "TRAINBRIDGE" not in name}
     return subprocess.run(
         [sys.executable, "-m", "server", *words],
         input=given,
@@ -26,7 +37,7 @@ def trainbridge(*words: str, given: str = "") -> subprocess.CompletedProcess[str
         timeout=120,
         cwd=ROOT,
         check=False,
-        env={**os.environ, "COLUMNS": "200"},
+        env={**own, "COLUMNS": "200", **variables},
     )
 
 
@@ -93,3 +104,166 @@ def test_a_missing_file_is_said(tmp_path: Path) -> None:
     refused = trainbridge("run", str(tmp_path / "none.json"), "--out", str(tmp_path / "out"))
     assert refused.returncode == 1
     assert "cannot be read" in refused.stderr
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Client]:
+    """A server whose runs are done at once."""
+    settings = settings_for(tmp_path_factory.mktemp("server"), token=TOKEN)
+    with serving(settings, compute=odd_batches.finish) as client:
+        client.headers["Authorization"] = f"Bearer {TOKEN}"
+        yield client
+
+
+def ask(server: Client, *words: str, given: str = "") -> subprocess.CompletedProcess[str]:
+    """A command that finds server and token in the environment."""
+    address = f"http://127.0.0.1:{server.port}"
+    variables = {"TRAINBRIDGE_SERVER": address, "TRAINBRIDGE_TOKEN": TOKEN}
+    return trainbridge(*words, given=given, **variables)
+
+
+def test_a_study_is_submitted_and_followed(server: Client, tmp_path: Path) -> None:
+    study = tmp_path / "study.json"
+    study.write_text(json.dumps(short_study(name="from the command line")))
+    done = ask(server, "submit", str(study), "--wait", "--priority", "3", "--key", "k")
+    assert done.returncode == 0, done.stderr
+    job = done.stdout.splitlines()[0]
+    assert "100 %" in done.stderr
+    assert "done" in done.stderr
+    assert server.json(f"jobs/{job}")["priority"] == 3
+    again = ask(server, "submit", "-", "--priority", "3", "--key", "k", given=study.read_text())
+    assert again.stdout.splitlines() == [job]
+    watched = ask(server, "watch", job)
+    assert watched.returncode == 0
+    listed = ask(server, "jobs", "--state", "done", "--name", "COMMAND line")
+    [_, row] = listed.stdout.splitlines()
+    assert row.split()[:2] == [job, "done"]
+    as_json = json.loads(ask(server, "jobs", "--name", "COMMAND line", "--json").stdout)
+    assert [item["id"] for item in as_json] == [job]
+    cancelled = ask(server, "cancel", job)
+    assert cancelled.returncode == 0
+    assert "done already" in cancelled.stdout
+
+
+def test_a_job_that_did_not_end_well_fails_the_command(tmp_path: Path) -> None:
+    with serving(settings_for(tmp_path, token=TOKEN), compute=odd_batches.fail) as server:
+        done = ask(server, "submit", "-", "--wait", given=json.dumps(short_study()))
+    assert done.returncode == 1
+    assert "The job is failed: " in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "given", "status", "said"),
+    [
+        (["submit", "-"], "{", 2, "line 1, column 2"),
+        (["submit", "-"], "[]", 2, "a study is a JSON object"),
+        (["submit", "-"], '{"wheels": 4}', 2, "/study/wheels"),
+        (["submit", "-", "--priority", "1000"], "{}", 2, "/priority"),
+        (["submit", "-", "--kind", "magic"], "{}", 2, "--kind"),
+        (["submit", "none.json"], "", 1, "cannot be read"),
+        (["watch", "none"], "", 1, "There is no job none"),
+        (["cancel", "none"], "", 1, "There is no job none"),
+        (["jobs", "--server", "http://127.0.0.1:1"], "", 1, "trainbridge serve"),
+        (["watch", "a", "--server", "http://127.0.0.1:1"], "", 1, "trainbridge serve"),
+        (["jobs", "--server", "nowhere"], "", 1, "is not a server's address"),
+    ],
+    ids=str,
+)
+def test_what_cannot_be_done_is_said_in_a_line(
+    server: Client, words: list[str], given: str, status: int, said: str
+) -> None:
+    refused = ask(server, *words, given=given)
+    assert refused.returncode == status, refused.stderr
+    assert said in refused.stderr
+    assert "Traceback" not in refused.stderr
+
+
+def test_a_wrong_token_is_said(server: Client) -> None:
+    refused = trainbridge("jobs", "--server", f"http://127.0.0.1:{server.port}")
+    assert refused.returncode == 1
+    assert "TRAINBRIDGE_TOKEN" in refused.stderr
+
+
+def test_the_settings_are_printed(tmp_path: Path) -> None:
+    file = tmp_path / "settings.toml"
+    file.write_text("quota_bytes = 5")
+    variables = {"TRAINBRIDGE_TOKEN": TOKEN, "TRAINBRIDGE_PORT": "1234"}
+    shown = json.loads(trainbridge("config", "--json", "--config", str(file), **variables).stdout)
+    by_name = {item["name"]: item for item in shown}
+    assert by_name["port"]["value"] == "1234"
+    assert by_name["port"]["source"] == "variable TRAINBRIDGE_PORT"
+    assert by_name["quota_bytes"]["source"] == f"file {file}"
+    assert "limits.runs_per_job" in by_name
+    table = trainbridge("config", **variables)
+    assert TOKEN not in table.stdout + json.dumps(shown)
+    assert len(table.stdout.splitlines()) >= len(shown)
+    refused = trainbridge("config", TRAINBRIDGE_PROT="1")
+    assert refused.returncode == 1
+    assert "Did you mean TRAINBRIDGE_PORT" in refused.stderr
+
+
+def test_a_worker_needs_a_scheduler_that_is_safe() -> None:
+    refused = trainbridge("worker")
+    assert refused.returncode == 1
+    assert "--scheduler" in refused.stderr
+    refused = trainbridge("worker", "--scheduler", "tcp://10.1.2.3:8786")
+    assert refused.returncode == 1
+    assert "any" in refused.stderr
+    assert "tls://" in refused.stderr
+
+
+def test_only_what_no_job_refers_to_is_cleaned_away(tmp_path: Path) -> None:
+    settings = settings_for(tmp_path)
+    orphan = settings.data / "runs" / "0123456789abcdef" / "001"
+    words = ("clean", "--data", str(settings.data))
+    nowhere = trainbridge(*words)
+    assert nowhere.returncode == 1
+    assert "no database" in nowhere.stderr
+    with serving(settings) as server:
+        job = ended(server, submit(server, short_study())["id"])
+        kept = settings.data / "runs" / job["runs"][0]["id"] / "001"
+        orphan.mkdir(parents=True)
+        (orphan / "values").write_bytes(bytes(1000))
+        (settings.data / "mine.txt").write_text("not the store's")
+        # While the server runs: without --yes, nothing goes.
+        for options in ((), ("--dry-run", "--yes")):
+            listed = trainbridge(*words, *options)
+            assert listed.returncode == 0, listed.stderr
+            assert "0123456789abcdef" in listed.stdout
+            assert "Would remove 1 items, 1,000 B" in listed.stdout
+            assert orphan.exists()
+        removed = trainbridge(*words, "--yes")
+        assert "Removed 1 items, 1,000 B" in removed.stdout
+        assert not orphan.exists()
+        assert kept.exists()
+        assert (settings.data / "mine.txt").exists()
+        assert server.get(f"/api/v1/runs/{job['runs'][0]['id']}/channels").status_code == 200
+
+
+def test_a_store_of_another_database_is_not_cleaned(tmp_path: Path) -> None:
+    with serving(settings_for(tmp_path / "ours")) as server:
+        ended(server, submit(server, short_study())["id"])
+    with serving(settings_for(tmp_path / "other")):
+        pass
+    store = tmp_path / "ours" / "data"
+    data = tmp_path / "other" / "data"
+    refused = trainbridge("clean", "--data", str(data), "--store", str(store), "--yes")
+    assert refused.returncode == 1
+    assert "Nothing was removed" in refused.stderr
+    assert list((store / "runs").iterdir())
+
+
+def test_an_old_database_is_migrated(tmp_path: Path) -> None:
+    settings = settings_for(tmp_path)
+    words = ("migrate", "--data", str(settings.data))
+    nothing = trainbridge(*words)
+    assert nothing.returncode == 1
+    assert "nothing to migrate" in nothing.stderr
+    with serving(settings):
+        busy = trainbridge(*words)
+        assert busy.returncode == 1
+        assert "Traceback" not in busy.stderr
+    done = trainbridge(*words)
+    assert done.returncode == 0, done.stderr
+    assert "already" in done.stdout

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import threading
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from sqlalchemy.exc import OperationalError
 
+from server.routes import changes as changes_module
+from server.routes.changes import Changes
 from server.settings import Limits
 from tests.server import odd_batches
 from tests.server.server_case import (
@@ -190,3 +195,127 @@ def test_streams_end_with_the_server(tmp_path: Path) -> None:
         thread.join(10)
     assert len(ends) == 3
     assert max(ends) - begin < 3.0
+
+
+def test_another_process_tells_as_much(tmp_path: Path) -> None:
+    # Two servers on one folder, as two processes: the second has no coordinator to wake it.
+    settings = settings_for(tmp_path, event_poll_seconds=0.01)
+    with (
+        serving(settings) as first,
+        serving(replace(settings, coordinator=False)) as second,
+    ):
+        job = submit(second, short_study())["id"]
+        heard = until_done(events(second, f"jobs/{job}/events"))
+        expected = [
+            event.id
+            for event in first.app.state.service.database.events_after(0, jobs=[job])
+            if event.kind == "progress"
+        ]
+    assert [number for number, kind, _ in heard if kind == "progress"] == expected
+    assert len(expected) >= 10
+
+
+def test_a_stream_says_when_all_that_was_missed_is_told(tmp_path: Path) -> None:
+    with serving(settings_for(tmp_path)) as client:
+        job = submit(client, short_study())["id"]
+        ended(client, job)
+        told = []
+        for number, kind, data in events(client, f"jobs/{job}/events"):
+            told.append((number, kind))
+            if kind == "comment":
+                assert data == "nothing more waits"
+                break
+        database = client.app.state.service.database
+        progress = [e.id for e in database.events_after(0, jobs=[job]) if e.kind == "progress"]
+    assert [number for number, kind in told if kind == "progress"] == progress
+
+
+def test_a_stream_ends_with_the_last_of_its_jobs(tmp_path: Path) -> None:
+    with serving(settings_for(tmp_path), compute=odd_batches.hang) as client:
+        job = submit(client, short_study())["id"]
+        stream = events(client, f"events?job={job}")
+        next(stream)
+        assert client.delete(f"/api/v1/jobs/{job}").status_code == 202
+        assert all(kind != "job" or data["id"] == job for _, kind, data in stream)
+
+
+def test_nobody_looks_for_events_while_nobody_listens() -> None:
+    looks: list[int] = []
+
+    def last_event() -> int:
+        looks.append(len(looks))
+        return len(looks) // 3
+
+    async def listen() -> list[int]:
+        changes = Changes()
+        changes.bind()
+        changes.follow(last_event, 0.001)
+        await asyncio.sleep(0.01)
+        counts = [len(looks)]
+        async with changes.listen() as changed, changes.listen():
+            for _ in range(3):
+                changed.clear()
+                await asyncio.wait_for(changed.wait(), 5.0)
+        counts.append(len(looks))
+        await asyncio.sleep(0.02)
+        # A look that had begun may still have ended.
+        counts.append(len(looks) - counts[-1])
+        return counts
+
+    before, while_listening, after = asyncio.run(listen())
+    assert before == 0
+    # One task for both: three changes take at most nine looks, and one that was under way.
+    assert 5 <= while_listening <= 10
+    assert after <= 1
+
+
+def test_events_come_again_with_the_database(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(changes_module, "_RETRY_SECONDS", 0.001)
+    answers = iter([1, OSError("gone"), OSError("gone"), 2])
+
+    def last_event() -> int:
+        answer = next(answers, 2)
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    async def listen() -> None:
+        changes = Changes()
+        changes.bind()
+        changes.follow(last_event, 0.001)
+        async with changes.listen() as changed:
+            for _ in range(2):
+                changed.clear()
+                await asyncio.wait_for(changed.wait(), 5.0)
+
+    asyncio.run(listen())
+    # Said once, however often it was asked.
+    assert len([item for item in caplog.records if item.levelname == "ERROR"]) == 1
+
+
+def test_a_database_that_is_away_is_an_answer(tmp_path: Path) -> None:
+    def away(*_: Any, **__: Any) -> Any:
+        raise OperationalError("SELECT 1", {}, Exception("database is locked"))
+
+    with serving(settings_for(tmp_path), compute=odd_batches.finish) as client:
+        service = client.app.state.service
+        stream = events(client, "events")
+        next(stream)
+        with pytest.MonkeyPatch.context() as patch:
+            for name in ("jobs", "add_job", "events_after"):
+                patch.setattr(service.database, name, away)
+            for answer in (
+                client.get("/api/v1/jobs"),
+                client.post("/api/v1/jobs", json={"study": short_study()}),
+            ):
+                assert answer.status_code == 503
+                assert answer.headers["content-type"] == "application/problem+json"
+                assert answer.headers["retry-after"]
+                assert "SELECT" not in answer.text
+            # A stream ends; whoever listened comes again.
+            service.changes.notify()
+            list(stream)
+        # And it goes on as if nothing had been.
+        ended(client, submit(client, short_study())["id"])

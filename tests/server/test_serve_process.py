@@ -183,11 +183,11 @@ def test_a_folder_of_another_version_is_refused(tmp_path: Path) -> None:
 
     Database(tmp_path / "trainbridge.sqlite").close()
     with sqlite3.connect(tmp_path / "trainbridge.sqlite") as connection:
-        connection.execute("UPDATE schema_version SET version = 99")
+        connection.execute("UPDATE alembic_version SET version_num = '9999'")
     connection.close()
     refused = serve_briefly("--data", str(tmp_path), "--port", "0")
     assert refused.returncode == 1
-    assert "schema 99" in refused.stderr
+    assert "9999" in refused.stderr
     assert "--data" in refused.stderr
 
 

@@ -1,0 +1,285 @@
+"""The whole service as processes that can be killed, in each way in which it is deployed."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import psutil
+import trustme
+
+from server.client import ClientError, TrainbridgeClient
+from server.store import BatchRecord, Database, RunReader, attempt_place, open_place
+from tests.server.server_case import until
+
+ROOT = Path(__file__).parents[2]
+
+_SHORT_INTERVALS = {
+    "CHECKPOINT_SECONDS": "0.3",
+    "CONCURRENT_BATCHES": "2",
+    "GRACE_SECONDS": "1",
+    "POLL_SECONDS": "0.05",
+    "PROGRESS_SECONDS": "0.05",
+    "QUEUE_POLL_SECONDS": "0.05",
+}
+
+
+class Node:
+    """A command of trainbridge as a process of its own.
+
+    Attributes:
+        process: The process.
+        line: What it printed when it was ready.
+    """
+
+    def __init__(self, log: Path, environment: Mapping[str, str], *command: str) -> None:
+        """Starts it, and waits until it is ready.
+
+        Args:
+            log: Takes what it writes to its error stream.
+            environment: Settings, without their common prefix.
+            command: The command and its options.
+        """
+        inherited = {k: v for k, v in os.environ.items() if not k.startswith("TRAINBRIDGE_")}
+        settings = {f"TRAINBRIDGE_{name}": value for name, value in environment.items()}
+        self._log = log
+        with log.open("ab") as errors:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "server", *command],
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                text=True,
+                cwd=ROOT,
+                env=inherited | settings,
+            )
+        assert self.process.stdout is not None
+        self.line = self.process.stdout.readline()
+        assert self.line, f"{command[0]} ended: {log.read_text()[-2000:]}"
+
+    def kill(self) -> None:
+        """SIGKILL."""
+        self._leave(signal.SIGKILL)
+
+    def end(self) -> None:
+        """SIGTERM; one that does not end by it is a failure."""
+        if self.process.poll() is None:
+            code = self._leave(signal.SIGTERM)
+            assert code == 0, self._log.read_text()[-2000:]
+
+    def _leave(self, number: signal.Signals) -> int:
+        self.process.send_signal(number)
+        try:
+            return self.process.wait(30)
+        finally:
+            self.process.kill()
+            self.process.wait()
+            assert self.process.stdout is not None
+            self.process.stdout.close()
+
+
+class Deployment:
+    """A server with its engine and its database.
+
+    Attributes:
+        engine: ``local``, ``dask`` or ``tls``.
+        client: Talks to the server that runs now.
+        server: Its process.
+        workers: Processes ``trainbridge worker``, where they are not the server's own.
+    """
+
+    client: TrainbridgeClient
+    server: Node
+
+    def __init__(self, folder: Path, engine: str, database: str = "") -> None:
+        """Starts everything.
+
+        Args:
+            folder: Of data, certificates and logs.
+            engine: ``local``, ``dask`` or ``tls``: an external scheduler with two workers.
+            database: URL; empty for SQLite in the data folder.
+        """
+        self.engine = engine
+        self._folder = folder
+        self._data = folder / "data"
+        self._settings = {**_SHORT_INTERVALS, "DATA": str(self._data), "ENGINE": engine}
+        if database:
+            self._settings["DATABASE"] = database
+        self._database_url = database or f"sqlite:///{self._data / 'trainbridge.sqlite'}"
+        self.workers: list[Node] = []
+        self._scheduler: Node | None = None
+        if engine == "tls":
+            self._start_cluster()
+        self.start()
+
+    def _start_cluster(self) -> None:
+        self._settings |= {"ENGINE": "local", **_certificates(self._folder)}
+        self._scheduler = self._node("scheduler", "--port", "0")
+        found = re.search(r"tls://\S+", self._scheduler.line)
+        assert found is not None, self._scheduler.line
+        self._settings["ENGINE"] = found.group()
+        for _ in range(2):
+            self.add_worker()
+
+    def _node(self, *command: str) -> Node:
+        return Node(self._folder / f"{command[0]}.log", self._settings, *command)
+
+    def add_worker(self) -> None:
+        """One more ``trainbridge worker``, of one slot."""
+        self.workers.append(self._node("worker", "--slots", "1"))
+
+    def start(self) -> None:
+        """Starts the server, which must not run."""
+        self.server = self._node("serve", "--port", "0")
+        found = re.search(r"http://\S+", self.server.line)
+        assert found is not None, self.server.line
+        self.client = TrainbridgeClient(found.group())
+        until(self._answers, bool)
+
+    def kill_server(self) -> list[psutil.Process]:
+        """SIGKILL; gives the processes that it had."""
+        mine = psutil.Process(self.server.process.pid).children(recursive=True)
+        self.client.close()
+        self.server.kill()
+        return mine
+
+    def end(self) -> None:
+        """Stops everything as people do."""
+        self.client.close()
+        nodes = [self.server, *self.workers]
+        if self._scheduler is not None:
+            nodes.append(self._scheduler)
+        with ExitStack() as stack:
+            for node in reversed(nodes):
+                stack.callback(node.end)
+
+    def _answers(self) -> bool:
+        with suppress(ClientError):
+            return self.client.health().status == "ok"
+        return False
+
+    # What computes.
+
+    def computing(self) -> list[psutil.Process]:
+        """The processes of batches: each is the child of a forkserver."""
+        found: list[psutil.Process] = []
+        for node in (self.server, *self.workers):
+            with suppress(psutil.NoSuchProcess):
+                found += _batches(psutil.Process(node.process.pid))
+        return found
+
+    def kill_worker_of(self, batch: psutil.Process) -> None:
+        """SIGKILL of the worker above a batch's process, which is replaced: by Dask's nanny, or
+        here as whoever watches over machines would do."""
+        forkserver = batch.parent()
+        assert forkserver is not None
+        worker = forkserver.parent()
+        assert worker is not None
+        known = [node for node in self.workers if node.process.pid == worker.pid]
+        worker.kill()
+        for node in known:
+            node.kill()
+            self.workers.remove(node)
+            self.add_worker()
+
+    # What is stored.
+
+    def batches(self, job: str) -> list[BatchRecord]:
+        """The batches of a job, as the database has them."""
+        database = Database(self._database_url)
+        try:
+            return database.batches_of(job)
+        finally:
+            database.close()
+
+    def reader(self, run: str, attempt: int) -> RunReader:
+        """What an attempt stored."""
+        return RunReader(attempt_place(open_place(self._data), run, attempt))
+
+    def logged(self, job: str, pattern: str) -> list[int]:
+        """The number in each entry of a job's log that fits, oldest first."""
+        return [int(found) for found in re.findall(pattern, self.client.log(job))]
+
+
+@contextmanager
+def deployed(folder: Path, engine: str, database: str = "") -> Iterator[Deployment]:
+    """A deployment that is stopped in the end."""
+    deployment = Deployment(folder, engine, database)
+    try:
+        yield deployment
+    finally:
+        deployment.end()
+
+
+def surviving(processes: list[psutil.Process], seconds: float) -> list[psutil.Process]:
+    """Those that still run then; a dead orphan may wait for its new parent to take note of it."""
+    limit = time.monotonic() + seconds
+    while (alive := [item for item in processes if _runs(item)]) and time.monotonic() < limit:
+        time.sleep(0.01)
+    return alive
+
+
+def assert_same_bits(found: RunReader, expected: RunReader) -> None:
+    """Every channel, every slab point, every frame."""
+    names = [channel.name for channel in expected.plan.channels]
+    assert found.committed == expected.committed == expected.plan.n_sample
+    np.testing.assert_array_equal(found.times(), expected.times())
+    np.testing.assert_array_equal(found.channel_rows(names), expected.channel_rows(names))
+    for ours, theirs in zip(found.slab_blocks(64), expected.slab_blocks(64), strict=True):
+        np.testing.assert_array_equal(ours[1], theirs[1])
+    assert found.committed_frames == expected.committed_frames == expected.plan.n_frame
+    for index in range(expected.committed_frames):
+        ours, theirs = found.frame(index), expected.frame(index)
+        np.testing.assert_array_equal(ours.displacement, theirs.displacement)
+        np.testing.assert_array_equal(ours.bodies, theirs.bodies)
+
+
+def _batches(process: psutil.Process) -> list[psutil.Process]:
+    children = process.children(recursive=True)
+    forkservers = {child.pid for child in children if _is_forkserver(child)}
+    return [child for child in children if _parent(child) in forkservers]
+
+
+def _parent(process: psutil.Process) -> int:
+    try:
+        return process.ppid()
+    except psutil.NoSuchProcess:
+        return 0
+
+
+def _is_forkserver(process: psutil.Process) -> bool:
+    """A forkserver; its children keep its command line."""
+    try:
+        command: list[Any] = process.cmdline()
+    except psutil.Error:
+        return False
+    return any("multiprocessing.forkserver" in word for word in command)
+
+
+def _runs(process: psutil.Process) -> bool:
+    try:
+        return process.status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
+
+
+def _certificates(folder: Path) -> dict[str, str]:
+    """A certificate authority and one certificate of it, as settings."""
+    authority = trustme.CA()
+    certificate = authority.issue_cert("127.0.0.1")
+    pems = {
+        "ca": authority.cert_pem,
+        "cert": certificate.cert_chain_pems[0],
+        "key": certificate.private_key_pem,
+    }
+    for name, pem in pems.items():
+        pem.write_to_path(folder / f"{name}.pem")
+    return {f"TLS_{name.upper()}_FILE": str(folder / f"{name}.pem") for name in pems}
