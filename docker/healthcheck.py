@@ -17,6 +17,7 @@ import socket
 import ssl
 import sys
 import urllib.request
+from pathlib import Path
 
 SECONDS = 5.0
 
@@ -25,6 +26,9 @@ def check_web(port: int) -> None:
     """Asks the server in this container."""
     request = urllib.request.Request(f"http://127.0.0.1:{port}/api/v1/health")
     token = os.environ.get("TRAINBRIDGE_TOKEN", "").strip()
+    file = os.environ.get("TRAINBRIDGE_TOKEN_FILE", "").strip()
+    if not token and file:
+        token = Path(file).read_text(encoding="utf-8").strip()
     if token:
         request.add_header("Authorization", f"Bearer {token}")
     # No proxy of the environment stands between a server and its own container.

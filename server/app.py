@@ -22,9 +22,9 @@ from server.coordinate import (
     require_usable,
 )
 from server.errors import install_errors
+from server.jobs.computing import compute_order
 from server.jobs.lock import queue_lock
 from server.jobs.orders import Compute
-from server.jobs.worker import run_order
 from server.routes import (
     events,
     jobs,
@@ -64,7 +64,7 @@ _PROBLEM = {
 }
 
 
-def create_app(settings: Settings, *, compute: Compute = run_order) -> FastAPI:
+def create_app(settings: Settings, *, compute: Compute = compute_order) -> FastAPI:
     """The application of one data folder.
 
     Args:
@@ -230,7 +230,8 @@ def serve_until_stopped(settings: Settings) -> None:
 
 def _listen(host: str, port: int) -> socket.socket:
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listener = socket.socket(family, socket.SOCK_STREAM)
+    # With the protocol named asyncio sends small answers at once, 40 ms earlier.
+    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind((host, port))

@@ -12,13 +12,13 @@ from typing import Any
 
 from sqlalchemy.exc import SQLAlchemyError
 
+from server.jobs.computing import compute_order
 from server.jobs.coordinator import Coordinator, Lock
 from server.jobs.engine import EngineError
 from server.jobs.engines import open_engine
 from server.jobs.lock import FolderInUseError, queue_lock
 from server.jobs.orders import Compute
 from server.jobs.process import end_with_parent
-from server.jobs.worker import run_order
 from server.settings import Settings
 from server.store import Database, Place, SchemaVersionError, StoreError, check_place, open_place
 
@@ -90,7 +90,7 @@ def new_coordinator(
     store: Place,
     lock: Lock,
     *,
-    compute: Compute = run_order,
+    compute: Compute = compute_order,
     on_change: Callable[[], None] = lambda: None,
 ) -> Coordinator:
     """A coordinator with the engine that the settings name, not started."""
@@ -105,7 +105,7 @@ def new_coordinator(
     )
 
 
-def run_coordinator(settings: Settings, *, compute: Compute = run_order) -> None:
+def run_coordinator(settings: Settings, *, compute: Compute = compute_order) -> None:
     """Coordinates until SIGTERM or Ctrl-C, or until another coordinator has taken the queue.
 
     Raises:
@@ -142,7 +142,7 @@ def run_coordinator(settings: Settings, *, compute: Compute = run_order) -> None
 class CoordinatorProcess:
     """A coordinator in a process of its own, started again whenever it ends."""
 
-    def __init__(self, settings: Settings, compute: Compute = run_order) -> None:
+    def __init__(self, settings: Settings, compute: Compute = compute_order) -> None:
         """Does nothing before ``start``."""
         self._settings = settings
         self._compute = compute

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-
 from dockerfile import Stage
 
 # $$, $NAME, ${NAME}, and with what stands for a missing one: :- - :? ?

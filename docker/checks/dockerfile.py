@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 KNOWN = frozenset(
-    "FROM ENV WORKDIR COPY RUN VOLUME USER EXPOSE STOPSIGNAL HEALTHCHECK ENTRYPOINT CMD".split()
+    {"FROM", "ENV", "WORKDIR", "COPY", "RUN", "VOLUME", "USER", "EXPOSE"}
+    | {"STOPSIGNAL", "HEALTHCHECK", "ENTRYPOINT", "CMD"}
 )
 
 

@@ -52,8 +52,10 @@ def check_dockerfile(stages: list[Stage]) -> None:
     builds = re.compile(r"\b(apt-get|gcc|pip install|make)\b")
     runs = " ".join(item.rest for item in last.all("RUN"))
     require(not builds.search(runs), "the last stage builds and installs nothing")
-    installs = [part for stage in stages[:-1] for item in stage.all("RUN")
-                for part in item.rest.split("&&") if "pip" in part and " install " in part]  # fmt: skip
+    parts = [
+        part for stage in stages[:-1] for item in stage.all("RUN") for part in item.rest.split("&&")
+    ]
+    installs = [part for part in parts if "pip" in part and " install " in part]
     exact = all("--require-hashes" in part or "--no-index" in part for part in installs)
     require(exact and len(installs) == 3, "packages come by hash, from the lock files only")
     copied = [word for stage in stages for item in stage.all("COPY") for word in item.words]
@@ -67,11 +69,19 @@ def check_compose(document: dict[str, Any]) -> None:
     others = [item.given["image"] for item in services.values() if not item.ours]
     pinned = all(re.search(r":v?\d+\.\d+[\w.-]*$", tag) for tag in others)
     require(pinned, f"images of others have full versions: {', '.join(others)}")
-    publishing = {name: item.given["ports"] for name, item in services.items() if "ports" in item.given}
+    publishing = {
+        name: item.given["ports"] for name, item in services.items() if "ports" in item.given
+    }
     require(publishing == {"web": ["127.0.0.1:8000:8000"]}, "only web publishes, on loopback")
-    outside = {name for name, network in document["networks"].items() if not network.get("internal")}
-    there = [name for name, item in services.items() if outside & set(item.given.get("networks", ()))]
-    require(there == ["web"] and outside == {"front"}, "only web is in a network that leads outside")
+    outside = {
+        name for name, network in document["networks"].items() if not network.get("internal")
+    }
+    there = [
+        name for name, item in services.items() if outside & set(item.given.get("networks", ()))
+    ]
+    require(
+        there == ["web"] and outside == {"front"}, "only web is in a network that leads outside"
+    )
     for name, item in services.items():
         check_service(name, item)
     workers = services["worker"].given["deploy"]["replicas"]
@@ -90,15 +100,18 @@ def check_service(name: str, item: Service) -> None:
         and "privileged" not in given
         and (item.ours or "user" in given)
     )
-    require(confined, f"{name}: read-only, no capability, no new privileges, no root")
+    rule = f"{name}: read-only, no capability, no new privileges, no root"
     if name == "prepare":
-        require(given["network_mode"] == "none", "prepare: once, and without network")
+        require(confined and given["network_mode"] == "none", f"{rule}, no network, once")
         return
     limits = given["deploy"]["resources"]["limits"]
-    require({"memory", "cpus", "pids"} == set(limits), f"{name}: limits of memory, CPU, processes")
-    require(bool(item.health_command), f"{name}: has a health check")
-    require("stop_grace_period" in given, f"{name}: has time to stop")
-    require(given["restart"] == "unless-stopped", f"{name}: is started again")
+    kept = (
+        {"memory", "cpus", "pids"} == set(limits)
+        and bool(item.health_command)
+        and "stop_grace_period" in given
+        and given["restart"] == "unless-stopped"
+    )
+    require(confined and kept, f"{rule}, limits, health check, restarted, time to stop")
 
 
 def check_secrets() -> None:

@@ -9,9 +9,8 @@ import socket
 import subprocess
 import sys
 import time
-import urllib.error
 import urllib.request
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from pathlib import Path
 
 
@@ -19,9 +18,9 @@ class CheckError(Exception):
     """What the check found wrong."""
 
 
-def free_port() -> int:
+def free_port(host: str = "127.0.0.1") -> int:
     """A port of loopback that nobody listens on now."""
-    with socket.create_server(("127.0.0.1", 0)) as probe:
+    with socket.create_server((host, 0)) as probe:
         return int(probe.getsockname()[1])
 
 
@@ -124,8 +123,8 @@ def run(command: Sequence[str], environment: Mapping[str, str], seconds: float =
 
 
 @contextlib.contextmanager
-def postgresql(folder: Path, user: str, password: str) -> Iterator[int]:
-    """A PostgreSQL server that asks for a password; gives its port."""
+def postgresql(folder: Path, user: str, password: str) -> Generator[str]:
+    """A PostgreSQL server that asks for a password; gives its host and port."""
     found = sorted(Path("/usr/lib/postgresql").glob("*/bin"), key=lambda path: path.parent.name)
     if not found:
         raise CheckError("PostgreSQL is missing: apt-get install postgresql")
@@ -140,9 +139,9 @@ def postgresql(folder: Path, user: str, password: str) -> Iterator[int]:
         subprocess.run(["chown", "-R", owner, str(home)], check=True)
     port = free_port()
     cluster = str(home / "cluster")
+    options = ["-U", user, "-N", "--auth=scram-sha-256", f"--pwfile={secret}"]
     subprocess.run(
-        [programs / "initdb", "-D", cluster, "-U", user, "-N", "--auth=scram-sha-256"]
-        + [f"--pwfile={secret}"],
+        [programs / "initdb", "-D", cluster, *options],
         check=True,
         user=owner,
         stdout=subprocess.DEVNULL,
@@ -156,19 +155,21 @@ def postgresql(folder: Path, user: str, password: str) -> Iterator[int]:
         ready = [programs / "pg_isready", *there, "-q"]
         until("PostgreSQL", lambda: subprocess.run(ready, check=False).returncode == 0, 30)
         run([str(programs / "createdb"), *there, user], client)
-        yield port
+        yield f"127.0.0.1:{port}"
     finally:
         # At once: nothing of it is kept.
         server.kill()
 
 
 @contextlib.contextmanager
-def object_store(folder: Path, bucket: str) -> Iterator[int]:
-    """A server that speaks S3, with a bucket; gives its port."""
-    port = free_port()
-    command = [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)]
+def object_store(folder: Path, bucket: str) -> Generator[str]:
+    """A server that speaks S3, with a bucket; gives its host and port."""
+    # Loopback, but by no usual name of it: a store that is spoken to as one on the network is.
+    host = "127.0.0.2"
+    port = free_port(host)
+    command = [sys.executable, "-m", "moto.server", "-H", host, "-p", str(port)]
     server = Process("store", command, os.environ, folder)
-    address = f"http://127.0.0.1:{port}/{bucket}"
+    address = f"http://{host}:{port}/{bucket}"
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
 
     def created() -> bool:
@@ -181,6 +182,6 @@ def object_store(folder: Path, bucket: str) -> Iterator[int]:
 
     try:
         until("the object store", created, 30)
-        yield port
+        yield f"{host}:{port}"
     finally:
         server.kill()

@@ -13,6 +13,7 @@ from urllib.parse import quote
 
 import httpx
 import numpy as np
+from numpy.typing import NDArray
 
 from server.client.failures import ClientError, away, refusal
 from server.client.watching import WatchEvent, watch
@@ -26,7 +27,6 @@ from server.routes.schemas import (
     TemplateList,
     VerdictList,
 )
-from solver.arrays import Matrix
 
 __all__ = ["DEFAULT_URL", "TrainbridgeClient"]
 
@@ -230,7 +230,7 @@ class TrainbridgeClient:
 
     def channel(
         self, run: str, name: str, *, begin: float | None = None, end: float | None = None
-    ) -> Matrix:
+    ) -> NDArray[np.float64]:
         """A recorded history, SI.
 
         Args:

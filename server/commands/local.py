@@ -37,13 +37,15 @@ def run(
     """Compute a study here, without any server."""
     from server.errors import Problem
     from server.jobs.strict_json import read_json
-    from server.jobs.submission import Submission, admit, read_study
+    from server.jobs.submission import Capacity, Submission, admit, read_study
     from server.settings import Limits
 
     try:
         loaded = read_study(read_json(read_file(study)))
         folder = _new_folder(out)
-        admit(Submission(kind="crossing", study=loaded, path=()), Limits(), folder)
+        limits = Limits()
+        submission = Submission(kind="crossing", study=loaded, path=())
+        admit(submission, limits, Capacity.now(limits, folder))
     except Problem as problem:
         print_findings(problem.title, problem.errors)
     _compute(loaded, folder)

@@ -41,6 +41,7 @@ class Attempt:
         checkpoint_step: Of the newest checkpoint that this attempt told of, -1 for none.
         process: Number of its process, 0 before it is told.
         stages: The stage that each run told of last.
+        logged: What its log says already, by run: an engine tells it again when it is reattached.
         ending: Whether the engine was asked to end it.
         ended: How it ended, None while it computes.
     """
@@ -52,6 +53,7 @@ class Attempt:
     checkpoint_step: int = -1
     process: int = 0
     stages: dict[str, str] = field(default_factory=dict[str, str])
+    logged: set[tuple[str | None, str]] = field(default_factory=set[tuple[str | None, str]])
     ending: bool = False
     ended: RunOutcome | None = None
 

@@ -14,13 +14,13 @@ from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from server.jobs.attempts import Attempt, RunOutcome, order_for
+from server.jobs.computing import compute_order
 from server.jobs.engine import Engine, EngineError
 from server.jobs.ledger import Ledger
 from server.jobs.lock import FolderInUseError
 from server.jobs.orders import Compute, Order, Report
 from server.jobs.requests import Requested
 from server.jobs.states import Event
-from server.jobs.worker import run_order
 from server.settings import Settings
 from server.store import BatchRecord, Database, NewEvent, Place
 
@@ -34,6 +34,8 @@ _RETRY_SECONDS = 1.0
 """Pause after the database, the disk or the engine refused. [s]"""
 _HOUSEKEEPING_SECONDS = 5.0
 """How often the lock, old events and old jobs are looked at. [s]"""
+_LOG_ENTRIES = 10_000
+"""Newest entries of a job's log that are looked through when an attempt is reattached."""
 _MOST_EVENTS = 5000
 """Events that wait for a database that is away; the oldest progress goes first."""
 
@@ -61,7 +63,7 @@ class Coordinator:
         engine: Engine,
         lock: Lock,
         *,
-        compute: Compute = run_order,
+        compute: Compute = compute_order,
         on_change: Callable[[], None] = lambda: None,
     ) -> None:
         """Does nothing before ``start``.
@@ -157,7 +159,7 @@ class Coordinator:
         self._engine.start()
         lost = self._reattach([*self._attempts.values(), *self._unknown_attempts()])
         for attempt in lost:
-            attempt.ended = attempt.ended or RunOutcome(event=Event.LOSE)
+            self._end(attempt, RunOutcome(event=Event.LOSE))
         for attempt in self._attempts.values():
             if attempt.batch.purpose == "runs" and not attempt.open_runs:
                 # Cancelled by a coordinator that did not live to say so to the engine.
@@ -176,7 +178,19 @@ class Coordinator:
     def _reattach(self, attempts: list[Attempt]) -> list[Attempt]:
         alive = self._engine.reattach([attempt.order for attempt in attempts])
         self._attempts.update({attempt.key: attempt for attempt in attempts})
+        for attempt in attempts:
+            attempt.logged = self._logged(attempt) if attempt.key in alive else set()
         return [attempt for attempt in attempts if attempt.key not in alive]
+
+    def _logged(self, attempt: Attempt) -> set[tuple[str | None, str]]:
+        """What the log says since an attempt began: its engine tells all of it again."""
+        entries = self._database.log_of(attempt.batch.job, limit=_LOG_ENTRIES)
+        told = [(entry.run, entry.data["text"]) for entry in entries if entry.kind == "log"]
+        begins = f"attempt {attempt.batch.attempt} begins"
+        runs = {None, *(run.id for run in attempt.batch.runs)}
+        own = [(run, text) for run, text in told if run in runs]
+        first = (i for i, (_, text) in enumerate(own) if text.startswith(begins))
+        return set(own[next(first, len(own)) :])
 
     def _turn(self) -> None:
         now = time.monotonic()
@@ -196,7 +210,7 @@ class Coordinator:
     def _keep_house(self) -> None:
         self._lock.ensure()
         for attempt in self._reattach(self._unknown_attempts()):
-            attempt.ended = RunOutcome(event=Event.LOSE)
+            self._end(attempt, RunOutcome(event=Event.LOSE))
         self._database.drop_old_progress(time.time() - _KEEP_PROGRESS)
         if self._settings.retention_days:
             for job in self._database.expired_jobs(
@@ -251,9 +265,14 @@ class Coordinator:
         elif report.kind == "log":
             self._note(attempt, run, data["text"])
         elif report.kind == "ended":
-            attempt.ended = RunOutcome(event=Event(data["event"]), error=data["error"])
+            self._end(attempt, RunOutcome(event=Event(data["event"]), error=data["error"]))
         else:
             attempt.outcomes[run] = _outcome(report)
+
+    def _end(self, attempt: Attempt, outcome: RunOutcome) -> None:
+        if attempt.ended is None:
+            attempt.ended = outcome
+            self._note(attempt, "", _last_note(outcome))
 
     def _take_progress(self, attempt: Attempt, run: str, report: Mapping[str, Any]) -> None:
         batch = attempt.batch
@@ -269,6 +288,8 @@ class Coordinator:
     def _note(self, attempt: Attempt, run: str, text: str) -> None:
         batch = attempt.batch
         owner = run or (batch.runs[0].id if len(batch.runs) == 1 else None)
+        if (owner, text) in attempt.logged:
+            return
         self._events.append(NewEvent(job=batch.job, run=owner, kind="log", data={"text": text}))
 
     # The database.
@@ -297,7 +318,6 @@ class Coordinator:
         for attempt in ended:
             assert attempt.ended is not None
             self._ledger.end_attempt(attempt)
-            self._note(attempt, "", _last_note(attempt.ended))
             del self._attempts[attempt.key]
         self._looked_at = 0.0
         self._on_change()

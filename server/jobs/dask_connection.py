@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Collection, Sequence
 from contextlib import suppress
@@ -15,6 +16,9 @@ from server.jobs.dask_worker import TASK, TOPIC, AttemptsPlugin
 from server.jobs.engine import EngineError
 
 __all__ = ["SchedulerConnection"]
+
+_WORKERS_SHARE = 0.3
+"""Share of a call's time-out that a worker may take to answer."""
 
 _log = logging.getLogger("trainbridge.jobs")
 
@@ -72,11 +76,8 @@ class SchedulerConnection:
         install = self._client._register_worker_plugin
         try:
             self.call(install, plugin, plugin.name, plugin.idempotent)
-        except EngineError:
-            self.close()
-            raise
         except Exception as error:
-            # A worker that does not know us: it is refused when it is asked for its version.
+            # A worker that is frozen or does not know us: it is refused when it is asked who it is.
             _log.info("a worker of %s cannot be used: %s", self.address, error)
 
     def require(self) -> None:
@@ -117,10 +118,23 @@ class SchedulerConnection:
     def ask(
         self, workers: Sequence[str], function: Callable[..., Any], *args: Any
     ) -> dict[str, Any]:
-        """What a function of ours gives on each worker, or the exception that it met there."""
-        return self.call(
-            self._client._run, function, *args, workers=list(workers), on_error="return"
-        )
+        """What a function of ours gives on each worker, or the exception that it met there.
+
+        A worker that is frozen answers with ``TimeoutError`` and keeps nobody else waiting.
+        """
+        seconds = _WORKERS_SHARE * self._seconds
+
+        async def ask_one(worker: str) -> Any:
+            asked = self._client._run(function, *args, workers=[worker], on_error="return")
+            try:
+                return (await asyncio.wait_for(asked, seconds))[worker]
+            except TimeoutError as error:
+                return error
+
+        async def ask_all() -> list[Any]:
+            return await asyncio.gather(*map(ask_one, workers))
+
+        return dict(zip(workers, self.call(ask_all), strict=True))
 
     # Tasks.
 

@@ -137,8 +137,9 @@ class DaskEngine:
         """Takes runs out of an attempt, or ends it."""
         self._connected()
         attempt = self._attempts.get(key)
-        if attempt is not None:
-            attempt.wishes.append(tuple(runs))
+        wish = tuple(runs)
+        if attempt is not None and wish not in attempt.wishes:
+            attempt.wishes.append(wish)
             self._pass_on_wishes(key, attempt)
 
     def reattach(self, orders: Sequence[Order]) -> set[str]:

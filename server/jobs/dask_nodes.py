@@ -64,7 +64,7 @@ def run_scheduler(settings: Settings, *, host: str, port: int) -> None:
     _run_until_signal(serve)
 
 
-def run_worker(settings: Settings, *, scheduler: str, slots: int) -> None:
+def run_worker(settings: Settings, *, scheduler: str, slots: int, name: str | None = None) -> None:
     """Runs a worker until SIGTERM or SIGINT: its batches then store checkpoints and end.
 
     Where the scheduler goes away its batches do so too, and the worker connects again.
@@ -73,6 +73,7 @@ def run_worker(settings: Settings, *, scheduler: str, slots: int) -> None:
         settings: Certificates, time-outs.
         scheduler: Its address.
         slots: Batches at once.
+        name: What the scheduler calls it; none for its address.
 
     Raises:
         EngineError: The scheduler is unsafe, or stays away for ``engine_seconds``.
@@ -83,7 +84,14 @@ def run_worker(settings: Settings, *, scheduler: str, slots: int) -> None:
 
     async def serve(ended: asyncio.Event) -> None:
         while not ended.is_set():
-            worker = await _connect(scheduler, slots, security, settings.engine_seconds, ended)
+            worker = await _connect(
+                scheduler,
+                ended,
+                settings.engine_seconds,
+                nthreads=slots,
+                security=security,
+                name=name,
+            )
             if worker is None:
                 return
             print(f"worker ready at {worker.address} for {scheduler}", flush=True)
@@ -95,22 +103,19 @@ def run_worker(settings: Settings, *, scheduler: str, slots: int) -> None:
     _run_until_signal(serve)
 
 
-async def _connect(
-    scheduler: str, slots: int, security: Any, seconds: float, ended: asyncio.Event
-) -> Any:
+async def _connect(scheduler: str, ended: asyncio.Event, seconds: float, **options: Any) -> Any:
     """A worker that the scheduler has accepted; None where the process was asked to end."""
     limit = time.monotonic() + seconds
     while not ended.is_set():
         worker: Any = Worker(
             scheduler,
-            nthreads=slots,
-            security=security,
             host="127.0.0.1" if _is_near(scheduler) else None,
             memory_limit=0,
             death_timeout=seconds,
             dashboard=False,
             dashboard_address="127.0.0.1:0",
             plugins=(AttemptsPlugin(),),
+            **options,
         )
         started = asyncio.ensure_future(_start(worker))
         await _first_of(started, ended)

@@ -16,6 +16,8 @@ _log = logging.getLogger("trainbridge.jobs")
 
 _LOOK_SECONDS = 0.5
 """How often the scheduler is asked for its workers. [s]"""
+_SILENT_SECONDS = 30.0
+"""Pause before a worker that did not answer is asked again. [s]"""
 
 
 class WorkerSlots:
@@ -35,6 +37,7 @@ class WorkerSlots:
         self._present: set[str] = set()
         self._missing: set[str] = set()
         self._accepted: set[str] = set()
+        self._silent: dict[str, float] = {}
         self.refusals: dict[str, str] = {}
 
     def look(self, *, at_once: bool = False) -> bool:
@@ -44,7 +47,8 @@ class WorkerSlots:
             return False
         self._looked_at = now
         present, running = self._connection.threads()
-        self._ask_new(set(running) - self._accepted - set(self.refusals))
+        silent = {name for name, at in self._silent.items() if now - at < _SILENT_SECONDS}
+        self._ask_new(set(running) - self._accepted - set(self.refusals) - silent)
         self._missing = self._present - set(present)
         self._present = set(present)
         self._threads = {name: running[name] for name in running if name in self._accepted}
@@ -82,7 +86,9 @@ class WorkerSlots:
             return
         for name, answer in self._connection.ask(sorted(workers), describe).items():
             if isinstance(answer, OSError):
-                continue  # It has just gone, or is asked again.
+                # It has just gone, or is frozen.
+                self._silent[name] = time.monotonic()
+                continue
             trouble = _trouble(name, answer)
             if trouble:
                 self.refusals[name] = trouble

@@ -8,13 +8,13 @@ from dataclasses import replace
 from typing import Any
 
 from server.jobs.attempts import Attempt, RunOutcome
+from server.jobs.decisions import decide_job
 from server.jobs.states import (
     BACK_TO_QUEUE,
     ENDED,
     Event,
     State,
     deaths_after,
-    decide_job,
     next_state,
 )
 from server.store import (

@@ -23,7 +23,6 @@ import psutil
 
 from server.jobs.environment import SINGLE_THREAD, single_threaded
 from server.jobs.orders import Commands, Order
-from solver.errors import SolverError
 
 __all__ = [
     "STOPPED",
@@ -113,7 +112,7 @@ class BatchProcess:
         for end in (child_messages, child_errors, child_commands):
             end.close()
         # Asked for often: the library's object is kept. Its number is not reused meanwhile.
-        self._watched = psutil.Process(self.pid) if self._process.is_alive() else None
+        self._watched = _watched(self.pid)
 
     @property
     def sentinel(self) -> int:
@@ -167,6 +166,14 @@ class BatchProcess:
         self._process.close()
 
 
+def _watched(pid: int) -> psutil.Process | None:
+    """A process to be looked at, None where it has ended already."""
+    try:
+        return psutil.Process(pid)
+    except psutil.Error:
+        return None
+
+
 def _child(messages: Connection, errors: Connection, commands: Connection, order: Order) -> None:
     """Computes a batch and tells how it ended: ``("failed" | "out_of_memory", "", {"error"})``, or
     nothing more after the runs' own messages."""
@@ -178,11 +185,15 @@ def _child(messages: Connection, errors: Connection, commands: Connection, order
     multiprocessing.set_start_method("fork", force=True)
     # The pages stay quick while every core computes.
     os.nice(5)
+    # Here, not above: a supervisor on a cluster's worker needs neither solver nor store.
+    from server.store import StoreError
+    from solver.errors import SolverError
+
     try:
         order.compute(order, messages.send, asked)
     except StoppedError:
         os._exit(STOPPED)
-    except SolverError as error:
+    except (SolverError, StoreError) as error:
         messages.send(("failed", "", {"error": str(error)}))
     except MemoryError:
         text = "There was not enough memory. Try a coarser mesh."

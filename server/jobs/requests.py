@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from server.jobs.attempts import Attempt, RunOutcome
+from server.jobs.decisions import decide_job
 from server.jobs.engine import Engine
 from server.jobs.ledger import Ledger
-from server.jobs.states import ENDED, Event, State, decide_job
+from server.jobs.states import ENDED, Event, State
 from server.store import Database, Place, job_place, run_place
 
 __all__ = ["Requested"]

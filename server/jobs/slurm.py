@@ -21,13 +21,9 @@ __all__ = ["open_slurm_cluster"]
 
 _log = logging.getLogger("trainbridge.jobs")
 
-_TOP_UP_SECONDS = 3.0
+_TOP_UP_SECONDS = 5.0
 """How often Slurm is asked for our jobs. [s]"""
-_PROLOGUE = [
-    *(f"export {name}={value}" for name, value in SINGLE_THREAD.items()),
-    "export DASK_DISTRIBUTED__WORKER__HTTP__ROUTES='[]'",
-    "export DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED=False",
-]
+_PROLOGUE = [f"export {name}={value}" for name, value in SINGLE_THREAD.items()]
 
 
 def open_slurm_cluster(settings: Settings) -> OwnCluster:
@@ -59,11 +55,7 @@ def open_slurm_cluster(settings: Settings) -> OwnCluster:
         security=security,
         log_directory=str(folder),
         job_script_prologue=_PROLOGUE,
-        worker_extra_args=[
-            "--no-dashboard",
-            "--dashboard-address=127.0.0.1:0",
-            "--preload=server.jobs.dask_worker",
-        ],
+        worker_command="server.jobs.slurm_worker",
         scheduler_options={"dashboard": False, "dashboard_address": "127.0.0.1:0", **_options()},
         silence_logs="ERROR",
     )

@@ -23,6 +23,7 @@ from solver.studies import Study
 
 __all__ = [
     "KINDS",
+    "Capacity",
     "Submission",
     "admit",
     "limit_findings",
@@ -109,13 +110,42 @@ def stored_study(document: Mapping[str, Any]) -> Study:
     return read_study(document)
 
 
-def admit(submission: Submission, limits: Limits, folder: Path | None) -> Any:
+@dataclass(frozen=True, kw_only=True)
+class Capacity:
+    """What one study may take.
+
+    Attributes:
+        memory_bytes: Of a batch. [B]
+        disk_bytes: Of all results. [B]
+    """
+
+    memory_bytes: float
+    disk_bytes: float
+
+    @classmethod
+    def now(cls, limits: Limits, folder: Path | None, *, computes_here: bool = True) -> Capacity:
+        """What there is at this moment.
+
+        Args:
+            limits: The shares of it that may be taken.
+            folder: Where results are stored; None where that is no disk of this machine.
+            computes_here: Whether batches take this machine's memory; others' is not known.
+        """
+        free = psutil.virtual_memory().available if computes_here else math.inf
+        disk = math.inf if folder is None else shutil.disk_usage(folder).free
+        return cls(
+            memory_bytes=limits.memory_fraction * free,
+            disk_bytes=limits.disk_fraction * disk,
+        )
+
+
+def admit(submission: Submission, limits: Limits, capacity: Capacity) -> Any:
     """Checks a study and what it takes, by closed formulas: nothing is allocated.
 
     Args:
         submission: The study and what to do with it.
         limits: What is accepted.
-        folder: Where results are stored; None where that is no disk of this machine.
+        capacity: What there is.
 
     Returns:
         The solver's report.
@@ -125,23 +155,19 @@ def admit(submission: Submission, limits: Limits, folder: Path | None) -> Any:
     """
     report = studies.check(submission.study)
     findings = [*_report_findings(report.errors, submission.path)]
-    findings += limit_findings(report, limits, folder, submission.path)
+    findings += limit_findings(report, limits, capacity, submission.path)
     if findings:
         raise _unusable(findings)
     return report
 
 
 def limit_findings(
-    report: Any, limits: Limits, folder: Path | None, path: Sequence[str] = ()
+    report: Any, limits: Limits, capacity: Capacity, path: Sequence[str] = ()
 ) -> list[Finding]:
-    """Where a study asks for more than this server accepts or this machine has."""
+    """Where a study asks for more than this server accepts or there is."""
     estimate = report.estimate
     if estimate is None:
         return []
-    free_memory = limits.memory_fraction * psutil.virtual_memory().available
-    disk = math.inf if folder is None else shutil.disk_usage(folder).free
-    free_disk = limits.disk_fraction * disk
-    coarser = "Choose a coarser mesh."
     rules: list[tuple[str, float, float, str, tuple[str, ...], str]] = [
         ("runs", estimate.runs, limits.runs_per_job, "", ("sweep", "speeds"), "Give fewer speeds."),
         (
@@ -152,11 +178,18 @@ def limit_findings(
             ("integration", "time_step"),
             "Choose a longer time step, fewer speeds or a shorter extent.",
         ),
-        ("of memory", estimate.memory_bytes, free_memory, "GB", ("mesh_level",), coarser),
+        (
+            "of memory",
+            estimate.memory_bytes,
+            capacity.memory_bytes,
+            "GB",
+            ("mesh_level",),
+            "Choose a coarser mesh.",
+        ),
         (
             "of disk",
             estimate.disk_bytes,
-            free_disk,
+            capacity.disk_bytes,
             "GB",
             ("outputs", "frame_interval"),
             "Choose a longer frame interval or a coarser mesh, or free some disk.",
@@ -175,10 +208,11 @@ def limit_findings(
 
 
 def report_document(
-    report: Any, limits: Limits, folder: Path | None, path: tuple[str, ...]
+    report: Any, limits: Limits, capacity: Capacity, path: tuple[str, ...]
 ) -> dict[str, Any]:
     """A report as the API sends it, the server's limits among its errors."""
-    errors = [*_report_findings(report.errors, path), *limit_findings(report, limits, folder, path)]
+    beyond = limit_findings(report, limits, capacity, path)
+    errors = [*_report_findings(report.errors, path), *beyond]
     return {
         "errors": errors,
         "warnings": _report_findings(report.warnings, path),

@@ -34,7 +34,7 @@ def _job_document(service: Service, job: JobRecord, runs: Sequence[RunRecord]) -
         "kind": job.kind,
         "name": job.name,
         "state": job.state,
-        "progress": None if waiting else job_progress((run.progress for run in runs), job.steps),
+        "progress": None if waiting else _progress(job, runs),
         "created": _time(job.created),
         "started": _time(job.started),
         "ended": _time(job.ended),
@@ -45,6 +45,16 @@ def _job_document(service: Service, job: JobRecord, runs: Sequence[RunRecord]) -
         "source": job.source,
         "runs": [_run_item(run) for run in runs],
     }
+
+
+def _progress(job: JobRecord, runs: Sequence[RunRecord]) -> dict[str, Any]:
+    progress = job_progress((run.progress for run in runs), job.steps)
+    states = {run.state for run in runs}
+    if job.state == "running" and states == {"queued"} and job.model:
+        progress["stage"] = "preparing the model that the runs share"
+    elif job.state == "running" and not states & {"queued", "running"}:
+        progress["stage"] = "gathering the results"
+    return progress
 
 
 def _estimated_start(service: Service, job: JobRecord) -> tuple[str, str] | None:

@@ -46,7 +46,7 @@ def enqueue(
     new = _new_job(submission, source=source, key=key, digest=digest)
     settings = service.settings
     try:
-        report = admit(submission, settings.limits, service.store.local)
+        report = admit(submission, settings.limits, service.capacity())
         new = replace(new, disk_bytes=math.ceil(report.estimate.disk_bytes))
         if submission.kind == "crossing":
             new = replace(new, steps=report.estimate.steps)

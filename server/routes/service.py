@@ -9,6 +9,7 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from server.errors import Problem, gone_missing
+from server.jobs.submission import Capacity
 from server.routes.changes import Changes
 from server.routes.drawing import DrawingProcess
 from server.routes.forecast import Pace
@@ -51,6 +52,12 @@ class Service:
     queue_alive: Callable[[], bool] | None = None
     changes: Changes = field(default_factory=Changes)
     pace: Pace = field(default_factory=Pace)
+
+    def capacity(self) -> Capacity:
+        """What a study may take, where it will be computed and stored."""
+        settings = self.settings
+        here = settings.coordinator and settings.engine in ("local", "dask")
+        return Capacity.now(settings.limits, self.store.local, computes_here=here)
 
     def asked(self) -> None:
         """Tells the coordinator and every stream that the database holds something new."""

@@ -22,8 +22,10 @@ router = APIRouter(prefix="/api/v1/studies", tags=["studies"])
 def validate_study(request: Request, service: ServiceDependency) -> Report:
     """Errors, warnings, derived values and an estimate of steps, unknowns, time, memory, disk."""
     submission = read_submission(parsed_body(request))
-    limits, folder = service.settings.limits, service.store.local
     document: dict[str, Any] = report_document(
-        studies.check(submission.study), limits, folder, submission.path
+        studies.check(submission.study),
+        service.settings.limits,
+        service.capacity(),
+        submission.path,
     )
     return Report.model_validate(document, from_attributes=True)

@@ -93,7 +93,7 @@ class Settings:
         token: Shared secret; empty for none, which only a loopback address allows.
         allowed_hosts: Names besides loopback that the ``Host`` header may carry.
         concurrent_batches: Processes that compute at once, with the engines local and dask.
-        slurm_jobs: Jobs of Slurm that are kept running while runs wait.
+        slurm_jobs: Jobs of Slurm that are kept running.
         slurm_partition: Partition of Slurm; empty for its default.
         slurm_account: Account that Slurm charges; empty for its default.
         slurm_walltime: Time limit of one job of Slurm.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import secrets
 
 from sqlalchemy import select
-from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from server.store.models import LIVE, BatchRow, JobRow, RunRow
@@ -64,9 +63,13 @@ def _view(session: Session, job: JobRow) -> JobView:
 
 def _insert_gather(session: Session, job: JobRow) -> None:
     """Adds the gather of this generation, unless it is there: a constraint lets only one in."""
-    dialect = postgresql if session.get_bind().dialect.name == "postgresql" else sqlite
+    # Of the one dialect that is used: both take memory.
+    if session.get_bind().dialect.name == "postgresql":
+        from sqlalchemy.dialects.postgresql import insert
+    else:
+        from sqlalchemy.dialects.sqlite import insert
     session.execute(
-        dialect.insert(BatchRow)
+        insert(BatchRow)
         .values(
             id=secrets.token_hex(8),
             job=job.id,

@@ -10,7 +10,7 @@
  * @typedef {{ id: string, parameters: Record<string, number>, state: State, progress?: Progress | null }} RunItem
  * @typedef {{ id: string, kind: string, name: string, state: State, progress?: Progress | null,
  *   created: string, started?: string | null, ended?: string | null, error?: Trouble | string | null,
- *   position?: number | null, runs: RunItem[] }} Job
+ *   position?: number | null, estimated_start?: [string, string] | null, runs: RunItem[] }} Job
  * @typedef {Record<string, any>} Study
  * @typedef {{ steps?: number, unknowns?: number, seconds?: number, memory_bytes?: number,
  *   disk_bytes?: number, runs?: number }} Estimate

@@ -11,20 +11,23 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import psutil
 import trustme
 
 from server.client import ClientError, TrainbridgeClient
-from server.store import BatchRecord, Database, RunReader, attempt_place, open_place
+from server.settings import DATABASE_NAME
+from server.store import BatchRecord, Database, EventRecord, RunReader, attempt_place, open_place
 from tests.server.server_case import until
 
 ROOT = Path(__file__).parents[2]
 
+CHECKPOINT_SECONDS = 0.3
+"""Time between two checkpoints. [s]"""
+
 _SHORT_INTERVALS = {
-    "CHECKPOINT_SECONDS": "0.3",
+    "CHECKPOINT_SECONDS": str(CHECKPOINT_SECONDS),
     "CONCURRENT_BATCHES": "2",
     "GRACE_SECONDS": "1",
     "POLL_SECONDS": "0.05",
@@ -99,26 +102,28 @@ class Deployment:
     client: TrainbridgeClient
     server: Node
 
-    def __init__(self, folder: Path, engine: str, database: str = "") -> None:
+    def __init__(self, folder: Path, engine: str, database: str = "", **settings: str) -> None:
         """Starts everything.
 
         Args:
             folder: Of data, certificates and logs.
             engine: ``local``, ``dask`` or ``tls``: an external scheduler with two workers.
             database: URL; empty for SQLite in the data folder.
+            settings: More of them, named as variables without their common prefix.
         """
         self.engine = engine
         self._folder = folder
         self._data = folder / "data"
-        self._settings = {**_SHORT_INTERVALS, "DATA": str(self._data), "ENGINE": engine}
+        where = {"DATA": str(self._data), "ENGINE": engine}
+        self._settings = {**_SHORT_INTERVALS, **settings, **where}
         if database:
             self._settings["DATABASE"] = database
-        self._database_url = database or f"sqlite:///{self._data / 'trainbridge.sqlite'}"
         self.workers: list[Node] = []
         self._scheduler: Node | None = None
         if engine == "tls":
             self._start_cluster()
         self.start()
+        self._database = Database(database or self._data / DATABASE_NAME)
 
     def _start_cluster(self) -> None:
         self._settings |= {"ENGINE": "local", **_certificates(self._folder)}
@@ -154,6 +159,7 @@ class Deployment:
     def end(self) -> None:
         """Stops everything as people do."""
         self.client.close()
+        self._database.close()
         nodes = [self.server, *self.workers]
         if self._scheduler is not None:
             nodes.append(self._scheduler)
@@ -176,6 +182,12 @@ class Deployment:
                 found += _batches(psutil.Process(node.process.pid))
         return found
 
+    def coordinator(self) -> psutil.Process | None:
+        """The coordinator, where it is a process of its own."""
+        children = psutil.Process(self.server.process.pid).children()
+        found = [child for child in children if _has(child, "multiprocessing.spawn")]
+        return found[0] if self.engine != "local" else None
+
     def kill_worker_of(self, batch: psutil.Process) -> None:
         """SIGKILL of the worker above a batch's process, which is replaced: by Dask's nanny, or
         here as whoever watches over machines would do."""
@@ -194,25 +206,23 @@ class Deployment:
 
     def batches(self, job: str) -> list[BatchRecord]:
         """The batches of a job, as the database has them."""
-        database = Database(self._database_url)
-        try:
-            return database.batches_of(job)
-        finally:
-            database.close()
+        return self._database.batches_of(job)
+
+    def events(self, job: str) -> list[EventRecord]:
+        """Everything that was told of a job, oldest first."""
+        return self._database.events_after(0, jobs=(job,), limit=1_000_000)
 
     def reader(self, run: str, attempt: int) -> RunReader:
         """What an attempt stored."""
         return RunReader(attempt_place(open_place(self._data), run, attempt))
 
-    def logged(self, job: str, pattern: str) -> list[int]:
-        """The number in each entry of a job's log that fits, oldest first."""
-        return [int(found) for found in re.findall(pattern, self.client.log(job))]
-
 
 @contextmanager
-def deployed(folder: Path, engine: str, database: str = "") -> Iterator[Deployment]:
+def deployed(
+    folder: Path, engine: str, database: str = "", **settings: str
+) -> Iterator[Deployment]:
     """A deployment that is stopped in the end."""
-    deployment = Deployment(folder, engine, database)
+    deployment = Deployment(folder, engine, database, **settings)
     try:
         yield deployment
     finally:
@@ -244,7 +254,7 @@ def assert_same_bits(found: RunReader, expected: RunReader) -> None:
 
 def _batches(process: psutil.Process) -> list[psutil.Process]:
     children = process.children(recursive=True)
-    forkservers = {child.pid for child in children if _is_forkserver(child)}
+    forkservers = {child.pid for child in children if _has(child, "multiprocessing.forkserver")}
     return [child for child in children if _parent(child) in forkservers]
 
 
@@ -255,13 +265,13 @@ def _parent(process: psutil.Process) -> int:
         return 0
 
 
-def _is_forkserver(process: psutil.Process) -> bool:
-    """A forkserver; its children keep its command line."""
+def _has(process: psutil.Process, module: str) -> bool:
+    """Whether a process was started by a module; what it forks keeps its command line."""
     try:
-        command: list[Any] = process.cmdline()
+        command: list[str] = process.cmdline()
     except psutil.Error:
         return False
-    return any("multiprocessing.forkserver" in word for word in command)
+    return any(module in word for word in command)
 
 
 def _runs(process: psutil.Process) -> bool:

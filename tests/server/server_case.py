@@ -53,7 +53,10 @@ class Client(httpx.Client):
 def serving(settings: Settings, **parts: Any) -> Iterator[Client]:
     """A real server on a free port, and a client of it."""
     app = create_app(settings, **parts)
-    listener = socket.create_server(("127.0.0.1", 0))
+    # As the server itself makes it: with the protocol named, answers are not held back.
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    listener.bind(("127.0.0.1", 0))
+    listener.listen()
     port = listener.getsockname()[1]
     server = uvicorn.Server(uvicorn.Config(app, log_level="error", timeout_graceful_shutdown=3))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)

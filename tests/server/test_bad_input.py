@@ -21,7 +21,7 @@ from fastapi import FastAPI
 from server.app import create_app
 from server.errors import Problem
 from server.jobs.strict_json import read_json
-from server.jobs.submission import admit, read_submission
+from server.jobs.submission import Capacity, admit, read_submission
 from server.settings import DATABASE_NAME, Limits
 from solver import studies
 from tests.server import odd_batches
@@ -216,12 +216,13 @@ def enormous_study() -> dict[str, Any]:
 
 def test_a_petabyte_is_refused_at_once(client: Client, tmp_path: Path) -> None:
     submission = read_submission(read_json(json.dumps({"study": enormous_study()}).encode()))
+    limits = Limits()
     with pytest.raises(Problem, match="limit"):
-        admit(submission, Limits(), tmp_path)
+        admit(submission, limits, Capacity.now(limits, tmp_path))
     # Of this process: the machine may be busy with other tests.
     begin = time.process_time()
     with pytest.raises(Problem, match="limit"):
-        admit(submission, Limits(), tmp_path)
+        admit(submission, limits, Capacity.now(limits, tmp_path))
     assert time.process_time() - begin < 0.05
     answer = client.post("/api/v1/jobs", json={"study": enormous_study()})
     assert answer.status_code == 422
@@ -239,7 +240,10 @@ def test_each_limit_is_a_setting(tmp_path: Path) -> None:
         (Limits(disk_fraction=1e-9), "GB of disk"),
     ):
         with pytest.raises(Problem, match=words):
-            admit(submission, limits, tmp_path)
+            admit(submission, limits, Capacity.now(limits, tmp_path))
+    # What computes and stores elsewhere is not held to this machine's memory and disk.
+    elsewhere = Limits(memory_fraction=1e-6, disk_fraction=1e-9)
+    admit(submission, elsewhere, Capacity.now(elsewhere, None, computes_here=False))
 
 
 @pytest.mark.parametrize(

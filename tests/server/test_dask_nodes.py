@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -157,6 +158,18 @@ def test_workers_of_another_version_are_refused(
         engine = DaskEngine(settings)
         with pytest.raises(EngineError, match=r"this machine 9\.9\.9\. Install the same version"):
             engine.start()
+        engine.stop()
+
+
+@pytest.mark.slow
+def test_worker_that_is_frozen_keeps_nobody_waiting(tmp_path: Path) -> None:
+    with external_scheduler(tmp_path, workers=2) as (settings, nodes):
+        nodes[1].process.send_signal(signal.SIGSTOP)
+        engine = DaskEngine(replace(settings, engine_seconds=1.0))
+        engine.start()
+        assert engine.free_slots() == 1
+        engine.run(order_for(tmp_path, dask_batches.finish))
+        assert events(hear(engine, ended(1))) == {"batch-1": "finish"}
         engine.stop()
 
 

@@ -6,6 +6,7 @@ import itertools
 
 import pytest
 
+from server.jobs.decisions import decide_job
 from server.jobs.states import (
     BACK_TO_QUEUE,
     ENDED,
@@ -13,7 +14,6 @@ from server.jobs.states import (
     State,
     TransitionError,
     deaths_after,
-    decide_job,
     job_state,
     next_state,
 )

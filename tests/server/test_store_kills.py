@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import os
 import random
 import threading
 from pathlib import Path
@@ -27,6 +28,9 @@ from tests.server.store_process import (
     expected_values,
     start_attempt,
 )
+
+CAMPAIGN = int(os.environ.get("TRAINBRIDGE_KILLS", "100"))
+"""Kills of the long campaign."""
 
 
 class Watcher(threading.Thread):
@@ -107,7 +111,7 @@ class Campaign:
         self.resumed += found[1].step > step
 
 
-@pytest.mark.parametrize("kills", [5, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kills", [5, pytest.param(CAMPAIGN, marks=pytest.mark.slow)])
 def test_no_kill_tears_what_is_read_or_loses_what_was_checkpointed(
     tmp_path: Path, kills: int
 ) -> None:

@@ -22,7 +22,7 @@ export class RunProgress extends HTMLElement {
       this.#bar.removeAttribute("value");
       const ahead = job.position ?? 0;
       show(this.#stage, ahead > 1 ? `Waiting in the queue, place ${ahead}` : "Waiting for a free process");
-      show(this.#left, "It starts by itself; you may leave this page.");
+      show(this.#left, `${start(job.estimated_start)}It starts by itself; you may leave this page.`);
       return;
     }
     if (job.kind === "modes") {
@@ -37,6 +37,16 @@ export class RunProgress extends HTMLElement {
     show(this.#stage, h("strong", null, `${Math.floor(fraction * 100)} %`), ` ${progress.stage || "starting"}`);
     show(this.#left, [steps(progress), remaining(progress.remaining)].filter(Boolean).join(" · "));
   }
+}
+
+/**
+ * When the job will begin, at the pace of the last ones.
+ * @param {[string, string] | null | undefined} range
+ */
+function start(range) {
+  if (!range) return "";
+  const [earliest, latest] = range.map((time) => new Date(time).toLocaleTimeString([], { timeStyle: "short" }));
+  return earliest === latest ? `Starts at about ${earliest}. ` : `Starts between ${earliest} and ${latest}. `;
 }
 
 /** @param {string} text */
