@@ -20,9 +20,14 @@ if [ $# -gt 0 ]; then
     python="$1"
 else
     echo "docker: an environment for the check"
-    python3.11 -m venv "$work/tools"
+    python3 -m venv "$work/tools"
     python="$work/tools/bin/python"
     "$python" -m pip install --quiet 'moto[s3,server]>=5,<6' 'pyyaml>=6,<7'
+fi
+
+if ! "$python" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))'; then
+    echo "docker/requirements.lock is for Python 3.11: name one, docker/check.sh PYTHON" >&2
+    exit 1
 fi
 
 echo "docker: Dockerfile and compose.yaml"

@@ -55,7 +55,7 @@ def _gathered(store: Place, run: RunTask, parameters: Mapping[str, float]) -> di
 
 def _newest_summary(place: Place) -> dict[str, Any] | None:
     """Of the newest attempt that is complete."""
-    for attempt in sorted(place.names(), reverse=True):
+    for attempt in sorted(filter(str.isdigit, place.names()), reverse=True):
         reader = RunReader(place.child(attempt))
         if reader.done:
             return reader.summary

@@ -184,6 +184,9 @@ def _client(root: str, environment: tuple[tuple[str, str], ...]) -> Any:
     config: Any = {}
     if urlsplit(root).scheme in _AWS_SCHEMES:
         endpoint = settings.get("AWS_ENDPOINT_URL") or settings.get("AWS_ENDPOINT") or ""
+        # Our options replace those that the client would take from the environment.
+        if settings.get("AWS_ALLOW_HTTP", "").lower() == "true":
+            options["allow_http"] = True
         if urlsplit(endpoint).hostname in _LOOPBACK:
             options["allow_http"] = True
             options["proxy_excludes"] = ",".join(_LOOPBACK)

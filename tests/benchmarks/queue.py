@@ -18,7 +18,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import httpx
 import numpy as np
 import psutil
 
@@ -147,8 +146,7 @@ def telling() -> Iterator[Row]:
     with served("tell_the_time") as server:
         server.wait(server.client.submit(beam_study()).id)
         job = server.client.submit(beam_study()).id
-        address = f"{server.client.url}/api/v1/jobs/{job}/events"
-        with httpx.stream("GET", address, timeout=60) as answer:
+        with server.http.stream("GET", f"jobs/{job}/events") as answer:
             for kind, data in _events(answer.iter_lines()):
                 if kind == "progress" and "sent" in data:
                     delays.append(time.time() - data["sent"])
@@ -174,7 +172,7 @@ def cancelling() -> Iterator[Row]:
     for batch, name in (("hang", "that listens"), ("hang_stubbornly", "that does not")):
         with served(batch) as server:
             job = server.client.submit(beam_study()).id
-            until(lambda job=job, server=server: server.client.job(job).progress is not None)
+            until(lambda job=job, server=server: computing(server) and step(server, job) > 0)
             [process] = computing(server)
             begin = time.perf_counter()
             server.client.cancel(job)
@@ -184,6 +182,12 @@ def cancelling() -> Iterator[Row]:
             gone = seconds_until(lambda process=process: ended(process), begin)
         yield Row(name=f"cancel recorded, process {name}", unit="s", value=recorded, bound=1.0)
         yield Row(name=f"cancelled process gone, {name}", unit="s", value=gone, bound=3.0)
+
+
+def step(server: Served, job: str) -> int:
+    """How far a job has come."""
+    progress = server.client.job(job).progress
+    return 0 if progress is None else progress.step
 
 
 def computing(server: Served) -> list[psutil.Process]:

@@ -31,6 +31,7 @@ class Served:
     Attributes:
         answered: From its start to its first answer. [s]
         client: Talks to it.
+        http: The same without a word about what comes.
         began: When its process was started, of ``time.perf_counter``. [s]
     """
 
@@ -49,17 +50,20 @@ class Served:
         found = re.search(r"http://\S+", self._process.stdout.readline())
         assert found is not None, "the server did not start"
         self.client = TrainbridgeClient(found.group())
+        # Kept open, as browsers do.
+        self.http = httpx.Client(base_url=f"{found.group()}/api/v1", timeout=60)
         until(self._answers)
         self.answered = time.perf_counter() - self.began
 
     def _answers(self) -> bool:
         with suppress(httpx.TransportError):
-            return httpx.get(f"{self.client.url}/api/v1/health").status_code == 200
+            return self.http.get("/health").status_code == 200
         return False
 
     def end(self) -> None:
         """Stops it, and what it started."""
         self.client.close()
+        self.http.close()
         self._process.send_signal(signal.SIGTERM)
         try:
             self._process.wait(60)
@@ -92,7 +96,7 @@ class Served:
 
     def get(self, path: str, **parameters: Any) -> bytes:
         """What is at an address of the API."""
-        answer = httpx.get(f"{self.client.url}/api/v1/{path}", params=parameters, timeout=60)
+        answer = self.http.get(path, params=parameters)
         answer.raise_for_status()
         return answer.content
 

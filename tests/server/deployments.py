@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
@@ -220,7 +220,7 @@ class Deployment:
 @contextmanager
 def deployed(
     folder: Path, engine: str, database: str = "", **settings: str
-) -> Iterator[Deployment]:
+) -> Generator[Deployment]:
     """A deployment that is stopped in the end."""
     deployment = Deployment(folder, engine, database, **settings)
     try:

@@ -22,7 +22,7 @@ from server.jobs.worker import run_study
 from server.store import BatchRecord, RunReader
 from solver import studies
 from tests.server.deployments import Deployment, assert_same_bits, deployed, surviving
-from tests.server.server_case import ENDED, beam_study, short_study, until
+from tests.server.server_case import beam_study, short_study, until
 
 LONG = 60.0
 """Time for what takes some seconds on a quiet machine. [s]"""
@@ -64,10 +64,10 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> RunReader:
 
 
 def long_study() -> dict[str, Any]:
-    """Some seconds of steps."""
+    """Two seconds of steps."""
     study = beam_study()
     study["integration"]["time_step"] = 2e-4
-    study["extent"]["run_out"] = 1.0
+    study["extent"]["run_out"] = 0.4
     return study
 
 
@@ -104,7 +104,7 @@ def begun(deployment: Deployment, job: str, step: int = 1) -> psutil.Process:
 
 def done(deployment: Deployment, job: str) -> Any:
     """The job's first run, when the job is done."""
-    found = until(lambda: deployment.client.job(job), lambda job: job.state in ENDED, LONG)
+    found = deployment.client.wait(job, seconds=LONG)
     assert found.state == "done", (found, deployment.client.log(job))
     return found.runs[0]
 
@@ -187,9 +187,8 @@ def test_kill_worker(deployment: Deployment, undisturbed: RunReader) -> None:
 
 def test_restart(deployment: Deployment, undisturbed: RunReader) -> None:
     """What computes with the server ends with it; an external worker goes on without it."""
-    client = deployment.client
-    earlier = client.submit(short_study()).id
-    kept = done(deployment, earlier)
+    client, goes_on = deployment.client, deployment.engine == "tls"
+    kept = done(deployment, client.submit(short_study()).id)
     coordinator = deployment.coordinator()
     if coordinator is not None:  # Of its own, it is started again by the server.
         job = client.submit(long_study()).id
@@ -198,12 +197,17 @@ def test_restart(deployment: Deployment, undisturbed: RunReader) -> None:
         assert client.health().status == "ok"
         require_kept(deployment, job, undisturbed)
     job = client.submit(long_study()).id
-    process = begun(deployment, job)
+    process = begun(deployment, job, step=3000)
+    if goes_on:
+        process.suspend()  # Else it has ended before the server is back.
     assert surviving(deployment.kill_server(), 1.0) == []
-    assert surviving([process], 0.0) == ([process] if deployment.engine == "tls" else [])
+    assert surviving([process], 0.0) == ([process] if goes_on else [])
     deployment.start()
+    done(deployment, deployment.client.submit(short_study()).id)
+    if goes_on:
+        process.resume()
     require_kept(deployment, job, undisturbed)
-    assert done(deployment, earlier) == kept
+    assert deployment.client.run(kept.id).state == "done"
     assert deployment.reader(kept.id, 1).done
 
 

@@ -1,4 +1,4 @@
-"""The server as a process of its own: signals, sudden death, second servers."""
+"""The server as a process of its own: how it stops, second servers, what it refuses."""
 
 from __future__ import annotations
 
@@ -14,15 +14,12 @@ from pathlib import Path
 from typing import Any
 
 import httpx
-import numpy as np
 import psutil
 import pytest
 
 from server.jobs.lock import FolderInUseError, FolderLock
-from server.jobs.worker import run_study
-from server.store import RunReader
-from solver import studies
-from tests.server.server_case import ENDED, beam_study, until
+from tests.server.deployments import surviving
+from tests.server.server_case import beam_study, until
 
 ROOT = Path(__file__).parents[2]
 
@@ -52,23 +49,6 @@ def answers(address: str) -> bool:
         return False
 
 
-def alive_after(seconds: float, processes: list[psutil.Process]) -> list[psutil.Process]:
-    """Those that still run; a dead orphan may wait for its new parent to take note of it."""
-    limit = time.monotonic() + seconds
-    while alive := [process for process in processes if runs(process)]:
-        if time.monotonic() > limit:
-            return alive
-        time.sleep(0.02)
-    return []
-
-
-def runs(process: psutil.Process) -> bool:
-    try:
-        return process.status() != psutil.STATUS_ZOMBIE
-    except psutil.NoSuchProcess:
-        return False
-
-
 def submit(address: str, study: dict[str, Any]) -> str:
     answer = httpx.post(f"{address}/api/v1/jobs", json={"study": study})
     assert answer.status_code == 202, answer.text
@@ -85,42 +65,6 @@ def long_study() -> dict[str, Any]:
     study["integration"]["time_step"] = 2e-4
     study["extent"]["run_out"] = 1.0
     return study
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("part", [0.2, 0.5, 0.8])
-def test_a_killed_server_leaves_nothing_behind_and_loses_nothing(
-    tmp_path: Path, part: float
-) -> None:
-    study = long_study()
-    with server_process(tmp_path / "data") as (process, address):
-        number = submit(address, study)
-        until(
-            lambda: job(address, number)["progress"],
-            lambda progress: progress is not None and progress["fraction"] >= part,
-            60,
-        )
-        children = psutil.Process(process.pid).children(recursive=True)
-        assert children
-        os.kill(process.pid, signal.SIGKILL)
-        process.wait()
-        assert alive_after(1.0, children) == []
-    with server_process(tmp_path / "data") as (_, address):
-        found = until(lambda: job(address, number), lambda j: j["state"] in ENDED, 60)
-        assert found["state"] == "done", found
-        run = httpx.get(f"{address}/api/v1/runs/{found['runs'][0]['id']}").json()
-        assert run["attempt"] == 2
-        assert run["progress"]["fraction"] == 1.0
-    again = RunReader(tmp_path / "data" / "runs" / run["id"] / "002")
-    # Undisturbed, in this process: the same arithmetic, bit for bit.
-    loaded = studies.template("sprung-mass-beam").study
-    assert studies.to_json(loaded)["train"] == study["train"]
-    from server.jobs.submission import read_study
-
-    run_study(read_study(study), 0, tmp_path / "undisturbed", lambda _: None)
-    undisturbed = RunReader(tmp_path / "undisturbed")
-    names = [channel.name for channel in undisturbed.plan.channels]
-    np.testing.assert_array_equal(again.channel_rows(names), undisturbed.channel_rows(names))
 
 
 def test_it_stops_at_once_with_streams_open_and_runs_computing(tmp_path: Path) -> None:
@@ -146,7 +90,7 @@ def test_it_stops_at_once_with_streams_open_and_runs_computing(tmp_path: Path) -
             assert time.monotonic() - begin < 5.0
             for thread in threads:
                 thread.join(5)
-            assert alive_after(1.0, children) == []
+            assert surviving(children, 1.0) == []
 
 
 def test_a_second_server_on_the_same_folder_is_refused(tmp_path: Path) -> None:
