@@ -23,6 +23,7 @@ from server.coordinate import (
 )
 from server.errors import install_errors
 from server.jobs.computing import compute_order
+from server.jobs.coordinator import Coordinator
 from server.jobs.lock import queue_lock
 from server.jobs.orders import Compute
 from server.routes import (
@@ -140,7 +141,7 @@ def _open_service(app: FastAPI, settings: Settings, compute: Compute, held: Exit
     database = open_database(settings)
     held.callback(database.close)
     store = open_place(settings.store_url)
-    wake, queue_alive = _start_coordinator(app, settings, compute, database, store, held)
+    coordinator = _start_coordinator(app, settings, compute, database, store, held)
     drawing = DrawingProcess(
         pending=settings.limits.pending_figures, seconds=settings.figure_seconds
     )
@@ -150,8 +151,9 @@ def _open_service(app: FastAPI, settings: Settings, compute: Compute, held: Exit
         database=database,
         store=store,
         drawing=drawing,
-        wake=wake,
-        queue_alive=queue_alive,
+        wake=_nobody if coordinator is None else coordinator.wake,
+        queue_alive=None if coordinator is None else lambda: coordinator.alive,
+        queue_trouble=lambda: "" if coordinator is None else coordinator.trouble,
         changes=changes,
     )
 
@@ -163,27 +165,23 @@ def _start_coordinator(
     database: Database,
     store: Place,
     held: ExitStack,
-) -> tuple[Callable[[], None], Callable[[], bool] | None]:
-    """A thread for the local engine, a process for the others, or none: how to wake it, and
-    whether it works (None where it is somewhere else)."""
+) -> Coordinator | CoordinatorProcess | None:
+    """A thread for the local engine, a process for the others, None where it is elsewhere."""
     changes: Changes = app.state.changes
     if settings.coordinator and settings.engine == "local":
         lock = held.enter_context(queue_lock(settings, database))
         coordinator = new_coordinator(
             settings, database, store, lock, compute=compute, on_change=changes.notify
         )
-        app.state.coordinator = coordinator
-        coordinator.start()
-        held.callback(coordinator.stop)
-        return coordinator.wake, lambda: coordinator.alive
-    changes.follow(database.last_event, settings.event_poll_seconds)
-    if not settings.coordinator:
-        return _nobody, None
-    process = CoordinatorProcess(settings, compute)
-    app.state.coordinator = process
-    process.start()
-    held.callback(process.stop)
-    return _nobody, lambda: process.alive
+    else:
+        changes.follow(database.last_event, settings.event_poll_seconds)
+        if not settings.coordinator:
+            return None
+        coordinator = CoordinatorProcess(settings, compute)
+    app.state.coordinator = coordinator
+    coordinator.start()
+    held.callback(coordinator.stop)
+    return coordinator
 
 
 def _nobody() -> None:

@@ -7,6 +7,7 @@ import multiprocessing
 import signal
 import threading
 from collections.abc import Callable
+from multiprocessing.connection import Connection
 from types import FrameType
 from typing import Any
 
@@ -20,7 +21,15 @@ from server.jobs.lock import FolderInUseError, queue_lock
 from server.jobs.orders import Compute
 from server.jobs.process import end_with_parent
 from server.settings import Settings
-from server.store import Database, Place, SchemaVersionError, StoreError, check_place, open_place
+from server.store import (
+    Database,
+    Place,
+    SchemaVersionError,
+    StoreError,
+    check_place,
+    claim_store,
+    open_place,
+)
 
 __all__ = [
     "CoordinatorProcess",
@@ -33,6 +42,8 @@ __all__ = [
 
 _log = logging.getLogger("trainbridge.jobs")
 
+_LOOK_SECONDS = 0.2
+"""How often a coordinator's process is looked at. [s]"""
 _RESTART_SECONDS = 1.0
 """Pause before a coordinator that ended is started again. [s]"""
 _FAREWELL = 5.0
@@ -70,9 +81,11 @@ def require_usable(settings: Settings, *, lock: bool) -> None:
         try:
             if lock:
                 queue_lock(settings, database).release()
+            store = open_place(settings.store_url)
+            check_place(store)
+            claim_store(store, database)
         finally:
             database.close()
-        check_place(open_place(settings.store_url))
     except (FolderInUseError, SchemaVersionError, StoreError) as error:
         raise StartError(str(error)) from error
     except SQLAlchemyError as error:
@@ -105,8 +118,18 @@ def new_coordinator(
     )
 
 
-def run_coordinator(settings: Settings, *, compute: Compute = compute_order) -> None:
+def run_coordinator(
+    settings: Settings,
+    *,
+    compute: Compute = compute_order,
+    tell: Callable[[str], None] = lambda trouble: None,
+) -> None:
     """Coordinates until SIGTERM or Ctrl-C, or until another coordinator has taken the queue.
+
+    Args:
+        settings: The settings.
+        compute: What a batch's process does.
+        tell: Told why nothing computes, whenever that changes; empty for no trouble.
 
     Raises:
         StartError: Database, store or queue cannot be used.
@@ -127,8 +150,11 @@ def run_coordinator(settings: Settings, *, compute: Compute = compute_order) -> 
             )
             coordinator.start()
             print(f"Trainbridge coordinates with the engine {settings.engine}", flush=True)
-            while coordinator.alive and not asked.wait(0.2):
-                pass
+            told = ""
+            while coordinator.alive and not asked.wait(_LOOK_SECONDS):
+                if coordinator.trouble != told:
+                    told = coordinator.trouble
+                    tell(told)
             trouble = "" if asked.is_set() else coordinator.trouble
             coordinator.stop()
     except (FolderInUseError, EngineError) as error:
@@ -147,6 +173,8 @@ class CoordinatorProcess:
         self._settings = settings
         self._compute = compute
         self._process: Any = None
+        self.trouble = ""
+        """Why nothing computes now, empty for none."""
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._keep, name="coordinator's keeper", daemon=True)
 
@@ -164,6 +192,9 @@ class CoordinatorProcess:
         """Starts the process and its keeper."""
         self._thread.start()
 
+    def wake(self) -> None:
+        """Nothing to do: the process looks by itself."""
+
     def stop(self) -> None:
         """Ends the process: it lets its batches store checkpoints first."""
         self._stopping.set()
@@ -176,17 +207,38 @@ class CoordinatorProcess:
         # Not forked: this process has threads. Not a daemon: the engine starts workers.
         context = multiprocessing.get_context("spawn")
         while not self._stopping.is_set():
+            heard, telling = context.Pipe(duplex=False)
             self._process = context.Process(
-                target=_coordinate, args=(self._settings, self._compute), name="coordinator"
+                target=_coordinate,
+                args=(self._settings, self._compute, telling),
+                name="coordinator",
             )
-            self._process.start()
+            try:
+                self._process.start()
+            except OSError as error:
+                self.trouble = f"The coordinator could not be started: {error}"
+                _log.error("%s", self.trouble)
+                self._stopping.wait(_RESTART_SECONDS)
+                continue
+            finally:
+                telling.close()
             while self._process.is_alive() and not self._stopping.is_set():
-                self._process.join(0.2)
+                self._listen(heard)
+            heard.close()
             if self._stopping.is_set():
                 self._end()
                 return
+            self.trouble = "The coordinator ended, and is started again. The log may say more."
             _log.error("the coordinator ended (%s) and is started again", self._process.exitcode)
             self._stopping.wait(_RESTART_SECONDS)
+
+    def _listen(self, heard: Connection) -> None:
+        """Takes what the process tells of its troubles; waits a moment for it."""
+        try:
+            if heard.poll(_LOOK_SECONDS):
+                self.trouble = heard.recv()
+        except (EOFError, OSError):
+            self._process.join(_LOOK_SECONDS)
 
     def _end(self) -> None:
         self._process.terminate()
@@ -196,11 +248,12 @@ class CoordinatorProcess:
             self._process.join()
 
 
-def _coordinate(settings: Settings, compute: Compute) -> None:
+def _coordinate(settings: Settings, compute: Compute, telling: Connection) -> None:
     """The coordinator's process: it never outlives its server."""
     end_with_parent()
+    telling.send("")
     try:
-        run_coordinator(settings, compute=compute)
+        run_coordinator(settings, compute=compute, tell=telling.send)
     except StartError as error:
         _log.error("%s", error)
         raise SystemExit(1) from None

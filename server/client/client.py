@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
+from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from datetime import datetime
@@ -27,6 +28,7 @@ from server.routes.schemas import (
     TemplateList,
     VerdictList,
 )
+from server.settings.addresses import is_loopback
 
 __all__ = ["DEFAULT_URL", "TrainbridgeClient"]
 
@@ -65,7 +67,12 @@ class TrainbridgeClient:
         headers = {"Authorization": f"Bearer {token}"} if token else {}
         try:
             self._http = httpx.Client(
-                base_url=self.url, headers=headers, timeout=seconds, transport=transport
+                base_url=self.url,
+                headers=headers,
+                timeout=seconds,
+                transport=transport,
+                # A proxy's "this machine" is another one.
+                trust_env=not is_loopback(httpx.URL(self.url).host),
             )
             usable = self._http.base_url.scheme in ("http", "https") and self._http.base_url.host
         except (httpx.InvalidURL, UnicodeEncodeError):
@@ -142,8 +149,9 @@ class TrainbridgeClient:
             states: Only jobs in one of these; empty for all.
             kind: Only jobs of this kind.
             name: Only jobs whose name contains this.
-            created_from: Only jobs submitted then or later.
-            created_to: Only jobs submitted before.
+            created_from: Only jobs submitted then or later; without a time zone it is the local
+                time of this machine.
+            created_to: Only jobs submitted before; likewise.
             page: Jobs asked for at once.
         """
         wanted = {
@@ -151,8 +159,8 @@ class TrainbridgeClient:
             "state": list(states),
             "kind": kind,
             "name": name,
-            "created_from": created_from and created_from.isoformat(),
-            "created_to": created_to and created_to.isoformat(),
+            "created_from": created_from and created_from.astimezone().isoformat(),
+            "created_to": created_to and created_to.astimezone().isoformat(),
         }
         cursor: str | None = None
         while True:
@@ -288,7 +296,8 @@ class TrainbridgeClient:
             TimeoutError: It has not ended by then.
         """
         deadline = None if seconds is None else time.monotonic() + seconds
-        *_, last = self._watch(job, 0, deadline)
+        # Events of days are heard one by one; only the last is kept.
+        last = deque(self._watch(job, 0, deadline), maxlen=1).pop()
         assert last.job is not None
         return last.job
 

@@ -25,7 +25,8 @@ ENDED: frozenset[StateName] = frozenset(
 _FIRST_PAUSE = 0.1
 _LONGEST_PAUSE = 5.0
 """Shortest and longest time between two attempts to reconnect. [s]"""
-_BUSY = 503
+_PASSING = frozenset({502, 503, 504})
+"""Statuses of a server that is busy, and of a proxy whose server restarts."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,8 +89,8 @@ def watch(
             _require_time(deadline)
             now = time.monotonic()
             gone = now if gone is None else gone
-            busy = isinstance(error, ProblemError) and error.status == _BUSY
-            if now - gone > patience or not (busy or isinstance(error, httpx.HTTPError)):
+            passes = isinstance(error, httpx.HTTPError) or error.status in _PASSING
+            if now - gone > patience or not passes:
                 raise (away(url, error) if isinstance(error, httpx.HTTPError) else error) from error
         _require_time(deadline)
         time.sleep(pause)

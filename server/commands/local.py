@@ -53,6 +53,7 @@ def run(
 
 def _compute(study: Any, folder: Path) -> None:
     from server.jobs.worker import run_study
+    from server.store import StoreError
     from solver import studies
     from solver.errors import SolverError
 
@@ -68,7 +69,7 @@ def _compute(study: Any, folder: Path) -> None:
 
             try:
                 summary = run_study(study, index, target, report)
-            except (SolverError, MemoryError) as error:
+            except (SolverError, StoreError, MemoryError) as error:
                 fail(f"The run failed: {error}")
             bar.update(task, completed=1.0, description="done", left="")
         _print_verdicts(summary, point)

@@ -15,7 +15,7 @@ from server.settings import DATABASE_NAME, Settings
 from server.settings.addresses import without_secrets
 
 if TYPE_CHECKING:
-    from server.store import Database
+    from server.store import Database, Place
 
 __all__ = ["clean", "config", "migrate"]
 
@@ -100,7 +100,7 @@ def _clean(settings: Settings, *, remove: bool) -> None:
     is asked again afterwards: a name that it does not know then belongs to no job, of now or to
     come, and no lock is needed.
     """
-    from server.store import Database, open_place, orphans, remove_orphans
+    from server.store import Database, Orphan, open_place, orphans, remove_orphans
 
     if not settings.database and not (settings.data / DATABASE_NAME).is_file():
         fail(f"There is no database in {settings.data}. Name the data folder with --data.")
@@ -108,6 +108,8 @@ def _clean(settings: Settings, *, remove: bool) -> None:
     with closing(Database(settings.database_url)) as database:
         before = _known(database)
         found = orphans(place, runs=before.runs, jobs=before.jobs, models=before.models)
+        if remove and found:
+            _require_ours(settings, place, database, empty=not before.jobs)
         known = _known(database)
     for item in found:
         typer.echo(f"{item.kind:8} {item.name}  {item.bytes:,} B")
@@ -116,14 +118,27 @@ def _clean(settings: Settings, *, remove: bool) -> None:
         hint = " Run it again with --yes to remove them." if found else ""
         typer.echo(f"Would remove {len(found)} items, {size:,} B.{hint}")
         return
-    if found and not known.jobs:
+    removed: list[Orphan] = []
+    size = remove_orphans(
+        found, runs=known.runs, jobs=known.jobs, models=known.models, report=removed.append
+    )
+    typer.echo(f"Removed {len(removed)} items, {size:,} B.")
+
+
+def _require_ours(settings: Settings, store: Place, database: Database, *, empty: bool) -> None:
+    """Ends the command where the files may be those of another database."""
+    from server.store import OWNER, PlaceError, claim_store
+
+    if empty and not store.exists(OWNER):
         fail(
             f"The database {without_secrets(settings.database_url)} holds no job at all: it may "
             f"not be the one of the store {without_secrets(settings.store_url)}. Nothing was "
             "removed. If it is, remove the folders runs, jobs and models there by hand."
         )
-    removed = remove_orphans(found, runs=known.runs, jobs=known.jobs, models=known.models)
-    typer.echo(f"Removed {len(found)} items, {removed:,} B.")
+    try:
+        claim_store(store, database)
+    except PlaceError as error:
+        fail(f"{error} Nothing was removed.")
 
 
 @dataclass(frozen=True, kw_only=True)

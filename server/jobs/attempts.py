@@ -90,7 +90,7 @@ def order_for(
         kind=batch.kind,
         study=batch.study,
         runs=tuple(
-            RunTask(id=run.id, index=run.index)
+            RunTask(id=run.id, index=run.index, state=run.state)
             for run in runs
             if batch.purpose == "gather" or run.state not in ENDED
         ),

@@ -1,4 +1,4 @@
-"""What a batch's process does, by a name that costs nothing: who passes orders on loads no solver."""
+"""What a batch's process does, by a name that costs nothing: passing it on loads no solver."""
 
 from __future__ import annotations
 

@@ -11,6 +11,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any, Protocol
 
 from server.jobs.attempts import Attempt, RunOutcome, order_for
@@ -36,8 +37,8 @@ _HOUSEKEEPING_SECONDS = 5.0
 """How often the lock, old events and old jobs are looked at. [s]"""
 _LOG_ENTRIES = 10_000
 """Newest entries of a job's log that are looked through when an attempt is reattached."""
-_MOST_EVENTS = 5000
-"""Events that wait for a database that is away; the oldest progress goes first."""
+_MOST_PROGRESS = 1000
+"""Progress reports that are kept for a database that is away: the oldest go first."""
 
 
 class Lock(Protocol):
@@ -140,9 +141,14 @@ class Coordinator:
                 break
             except EngineError as error:
                 self._pause("the engine is away", error)
+                self._begun = False
+                with suppress(Exception):
+                    # What only waits can be cancelled and deleted all the same.
+                    self._requested.obey()
             except Exception as error:
                 # A full disk or a locked database must not end the queue: say so, and try again.
                 self._pause("the queue met an error and goes on", error)
+                self._hear_out()
         self._let_go()
 
     def _pause(self, what: str, error: Exception) -> None:
@@ -150,12 +156,21 @@ class Coordinator:
             _log.error("%s: %s", what, error, exc_info=not isinstance(error, EngineError))
         self.trouble = str(error)
         # What was begun just then may be written or not, may have reached the engine or not.
-        self._begun = self._begun and not isinstance(error, EngineError)
         self._kept_house_at = 0.0
         self._stopping.wait(_RETRY_SECONDS)
 
+    def _hear_out(self) -> None:
+        """Takes what the engine tells meanwhile: it must not pile up where nobody bounds it."""
+        with suppress(EngineError):
+            self._take_reports(0.0)
+        progress = [event for event in self._events if event.kind == "progress"]
+        others = [event for event in self._events if event.kind != "progress"]
+        self._events = [*others, *progress[-_MOST_PROGRESS:]]
+
     def _begin(self) -> None:
         """Connects the engine, and finds out what of earlier attempts still computes."""
+        # First: a coordinator that was cut off must not touch what its successor began.
+        self._lock.ensure()
         self._engine.start()
         lost = self._reattach([*self._attempts.values(), *self._unknown_attempts()])
         for attempt in lost:
@@ -228,8 +243,15 @@ class Coordinator:
             if started is None:
                 continue
             order = self._order(started)
-            self._attempts[order.key] = Attempt(batch=started, order=order)
-            self._engine.run(order)
+            attempt = self._attempts[order.key] = Attempt(batch=started, order=order)
+            try:
+                self._engine.run(order)
+            except EngineError:
+                raise  # Started anew, the engine says what it knows of it.
+            except Exception as error:
+                _log.exception("attempt %s could not be begun", order.key)
+                text = f"It could not be begun: {error}"
+                self._end(attempt, RunOutcome(event=Event.LOSE, error=text))
             self._on_change()
 
     def _order(self, batch: BatchRecord) -> Order:
@@ -245,7 +267,10 @@ class Coordinator:
         poll = self._settings.queue_poll_seconds
         timeout = self._settings.progress_seconds if pending else poll
         left = self._looked_at + poll - time.monotonic()
-        for report in self._engine.reports(max(0.0, min(timeout, left))):
+        self._take_reports(max(0.0, min(timeout, left)))
+
+    def _take_reports(self, seconds: float) -> None:
+        for report in self._engine.reports(seconds):
             attempt = self._attempts.get(report.key)
             if attempt is not None:
                 self._take(attempt, report)
@@ -305,7 +330,6 @@ class Coordinator:
         self._checkpoints.clear()
         if not (self._progress or self._events):
             return
-        del self._events[:-_MOST_EVENTS]
         self._database.record(self._progress, self._events)
         self._progress, self._events = {}, []
         self._on_change()

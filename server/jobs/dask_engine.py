@@ -279,6 +279,9 @@ class DaskEngine:
             return
         if self._cluster is not None:
             self._cluster.keep_up()
+        for key, attempt in list(self._attempts.items()):
+            # Their worker did not answer when it was asked.
+            self._pass_on_wishes(key, attempt)
         gone = slots.gone(attempt.worker for attempt in self._attempts.values() if attempt.worker)
         if not gone:
             return

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from server.jobs.orders import Order, RunTask
+from server.jobs.states import State
 from server.jobs.submission import stored_study
 from server.store import Place, RunReader, job_place, plain, run_place, write_document
 from solver import studies
@@ -41,12 +42,16 @@ def worst_verdicts(runs: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _gathered(store: Place, run: RunTask, parameters: Mapping[str, float]) -> dict[str, Any]:
-    """One run's share; ``done`` is whether it has results."""
-    summary = _newest_summary(run_place(store, run.id))
+    """One run's share; ``done`` is whether it has results.
+
+    A run that was cancelled just as it ended may have a complete attempt: its state decides.
+    """
+    summary = _newest_summary(run_place(store, run.id)) if run.state == State.DONE else None
     return {
         "run": run.id,
         "index": run.index,
         "parameters": parameters,
+        "state": run.state,
         "done": summary is not None,
         "verdicts": summary["verdicts"] if summary else [],
         "peaks": summary["peaks"] if summary else {},

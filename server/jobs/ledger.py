@@ -60,6 +60,17 @@ class Ledger:
         values = {"state": str(State.CANCELLED)} if len(live) == 1 else {}
         return self._change(batch, values, {run: _values(record, RunOutcome(event=Event.CANCEL))})
 
+    def cancel_runs(self, attempt: Attempt, runs: set[str]) -> None:
+        """Cancels runs that compute: written at once, before their process follows."""
+        changes = {
+            run.id: _values(run, RunOutcome(event=Event.CANCEL))
+            for run in attempt.open_runs
+            if run.id in runs
+        }
+        if changes:
+            self._change(attempt.batch, {}, changes)
+        attempt.settled |= runs
+
     def settle_runs(self, attempt: Attempt) -> bool:
         """Writes the ends of runs whose batch goes on."""
         runs = self._ended_runs(attempt)
@@ -91,7 +102,8 @@ class Ledger:
         return self._change(attempt.batch, values, runs, error)
 
     def _ended_runs(self, attempt: Attempt) -> dict[str, Mapping[str, Any]]:
-        by_id = {run.id: run for run in attempt.batch.runs}
+        # A run that was cancelled before this coordinator came has its end already.
+        by_id = {run.id: run for run in attempt.batch.runs if State(run.state) not in ENDED}
         ended = attempt.outcomes.items()
         return {run: _values(by_id[run], end) for run, end in ended if run in by_id}
 

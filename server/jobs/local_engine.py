@@ -46,15 +46,16 @@ class LocalEngine:
     def run(self, order: Order) -> None:
         """Starts the order's supervisor."""
         self._idle_since = None
-        control = self._controls[order.key] = Control()
+        control = Control()
         thread = threading.Thread(
             target=supervise,
             args=(order, self._reports.put, control),
             name=f"supervisor of {order.key}",
             daemon=True,
         )
-        self._threads[order.key] = thread
         thread.start()
+        # Afterwards: a thread that could not start takes no place.
+        self._controls[order.key], self._threads[order.key] = control, thread
 
     def cancel(self, key: str, runs: Collection[str] = ()) -> None:
         """Takes runs out of an attempt, or ends it."""

@@ -36,7 +36,9 @@ def queue_lock(settings: Settings, database: Database) -> FolderLock | DatabaseL
     """
     if database.engine.dialect.name == "postgresql":
         return DatabaseLock(database)
-    return FolderLock(settings.data)
+    # Beside the database: two folders of results may share one by mistake.
+    file = database.engine.url.database
+    return FolderLock(Path(file).absolute().parent if file else settings.data)
 
 
 class DatabaseLock:

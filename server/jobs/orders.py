@@ -60,10 +60,12 @@ class RunTask:
     Attributes:
         id: The run.
         index: Its place in the study's sweep.
+        state: As the database has it when the order is given: it decides what a gather judges.
     """
 
     id: str
     index: int
+    state: str = "running"
 
 
 Compute = Callable[["Order", Send, Commands], None]

@@ -7,6 +7,7 @@ same bits again.
 
 from __future__ import annotations
 
+import ctypes
 import faulthandler
 import multiprocessing
 import os
@@ -37,9 +38,14 @@ STOPPED = 143
 """Exit code of a process that ended because it was asked to, as of SIGTERM."""
 
 _PRELOAD = ["server.jobs.preload"]
+_STOP = "stop"
+"""The command to end; the others are tuples of runs to leave out."""
+_PARENT_DEATH_SIGNAL = 1
+"""PR_SET_PDEATHSIG of linux/prctl.h."""
 _FAREWELL = 1.0
 """Time that a forkserver takes to end, at most. [s]"""
-_start = threading.Lock()
+_start = threading.RLock()
+"""Held while a child starts: the forkserver must not be ended just then."""
 
 
 class StoppedError(BaseException):
@@ -69,7 +75,7 @@ def end_forkserver() -> None:
 
 def _end(forkserver: psutil.Process) -> None:
     """Not waited for: multiprocessing itself takes note of its end, when it needs another one."""
-    forkserver.terminate()
+    forkserver.kill()
     limit = time.monotonic() + _FAREWELL
     while forkserver.status() != psutil.STATUS_ZOMBIE and time.monotonic() < limit:
         time.sleep(0.005)
@@ -98,6 +104,12 @@ class BatchProcess:
 
     def __init__(self, order: Order) -> None:
         """Starts the process."""
+        with _start:
+            self._begin(order)
+        # Asked for often: the library's object is kept. Its number is not reused meanwhile.
+        self._watched = _watched(self.pid)
+
+    def _begin(self, order: Order) -> None:
         context = child_context()
         self.messages, child_messages = context.Pipe(duplex=False)
         self.errors, child_errors = context.Pipe(duplex=False)
@@ -111,8 +123,6 @@ class BatchProcess:
         self._process.start()
         for end in (child_messages, child_errors, child_commands):
             end.close()
-        # Asked for often: the library's object is kept. Its number is not reused meanwhile.
-        self._watched = _watched(self.pid)
 
     @property
     def sentinel(self) -> int:
@@ -149,8 +159,11 @@ class BatchProcess:
             return  # It has ended.
 
     def terminate(self) -> None:
-        """Asks the process to end."""
-        self._process.terminate()
+        """Asks the process to end; also one that has just begun and does not take signals yet."""
+        try:
+            self._commands.send(_STOP)
+        except OSError:
+            return  # It has ended.
 
     def kill(self) -> None:
         """Ends the process."""
@@ -178,8 +191,8 @@ def _child(messages: Connection, errors: Connection, commands: Connection, order
     """Computes a batch and tells how it ended: ``("failed" | "out_of_memory", "", {"error"})``, or
     nothing more after the runs' own messages."""
     end_with_parent()
+    _end_with_forkserver()
     _write_to(errors)
-    asked = _listen(commands)
     # A library's lock (numcodecs has one) is then nameless and dies with this process, however it
     # ends; this process starts no other.
     multiprocessing.set_start_method("fork", force=True)
@@ -190,7 +203,7 @@ def _child(messages: Connection, errors: Connection, commands: Connection, order
     from solver.errors import SolverError
 
     try:
-        order.compute(order, messages.send, asked)
+        order.compute(order, messages.send, _listen(commands))
     except StoppedError:
         os._exit(STOPPED)
     except (SolverError, StoreError) as error:
@@ -204,6 +217,15 @@ def _child(messages: Connection, errors: Connection, commands: Connection, order
         messages.send(("failed", "", {"error": text[:1000]}))
     finally:
         messages.close()
+
+
+def _end_with_forkserver() -> None:
+    """Lets the system end this process with its forkserver, which ends with the server.
+
+    The lifeline is a thread, and some library calls keep every thread waiting.
+    """
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, signal.SIGKILL)
 
 
 def _write_to(errors: Connection) -> None:
@@ -220,19 +242,25 @@ def _listen(commands: Connection) -> Commands:
     def read() -> None:
         while True:
             try:
-                asked.cancelled.update(commands.recv())
+                command = commands.recv()
             except (EOFError, OSError):
                 return
+            if command == _STOP:
+                os.kill(os.getpid(), signal.SIGTERM)
+            else:
+                asked.cancelled.update(command)
 
     def stop(number: int, frame: FrameType | None) -> None:
+        if asked.stop:
+            return  # Once is enough: it is ending.
         asked.stop = True
         if not asked.stepping:
             raise StoppedError
 
-    threading.Thread(target=read, name="commands", daemon=True).start()
     # Ctrl-C in the terminal reaches every process of the group: the supervisor decides.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, stop)
+    threading.Thread(target=read, name="commands", daemon=True).start()
     return asked
 
 

@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
-from server.jobs.attempts import Attempt, RunOutcome
+import logging
+import time
+from collections.abc import Callable
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from server.jobs.attempts import Attempt
 from server.jobs.decisions import decide_job
-from server.jobs.engine import Engine
+from server.jobs.engine import Engine, EngineError
 from server.jobs.ledger import Ledger
 from server.jobs.states import ENDED, Event, State
-from server.store import Database, Place, job_place, run_place
+from server.store import Database, ModelStore, Place, job_place, model_place, run_place
 
 __all__ = ["Requested"]
+
+_log = logging.getLogger("trainbridge.jobs")
+
+_REMOVED_AT_ONCE = 20
+"""Runs whose files are removed at one look."""
+_AGAIN_SECONDS = 60.0
+"""After so long what could not be done is tried again. [s]"""
 
 
 class Requested:
@@ -36,21 +49,36 @@ class Requested:
         self._ledger = ledger
         self._engine = engine
         self._attempts = attempts
+        self._later: dict[str, float] = {}
+        self._removed: dict[str, int] = {}
 
     def obey(self) -> bool:
         """Looks once; says whether there was anything."""
         requests = self._database.requests()
-        for run in requests.cancel_runs:
-            self._cancel_run(run)
-        for job in requests.cancel_jobs:
-            self._cancel_job(job)
-        for job in requests.retry_jobs:
-            self._retry_job(job)
-        for run in requests.retry_runs:
-            self._retry_run(run)
-        for job in requests.delete_jobs:
-            self._delete_job(job)
+        for wanted, settle in (
+            (requests.cancel_runs, self._cancel_run),
+            (requests.cancel_jobs, self._cancel_job),
+            (requests.retry_jobs, self._retry_job),
+            (requests.retry_runs, self._retry_run),
+            (requests.delete_jobs, self._delete_job),
+        ):
+            for item in wanted:
+                self._settle(item, settle)
         return any(vars(requests).values())
+
+    def _settle(self, item: str, settle: Callable[[str], None]) -> None:
+        """One that cannot be settled, as a folder that may not be removed, holds up nobody else."""
+        if time.monotonic() < self._later.get(item, 0.0):
+            return
+        try:
+            settle(item)
+        except (EngineError, SQLAlchemyError):
+            raise
+        except Exception:
+            _log.exception("what was asked for %s cannot be done now", item)
+            self._later[item] = time.monotonic() + _AGAIN_SECONDS
+        else:
+            self._later.pop(item, None)
 
     def _cancel_job(self, job: str) -> None:
         self._ledger.end_queued(job, Event.CANCEL)
@@ -72,8 +100,7 @@ class Requested:
     def _cancel(self, attempt: Attempt, runs: set[str]) -> None:
         """Written at once; the process has the grace time to follow."""
         left = {run.id for run in attempt.open_runs} - runs
-        attempt.outcomes.update({run: RunOutcome(event=Event.CANCEL) for run in runs})
-        self._ledger.settle_runs(attempt)
+        self._ledger.cancel_runs(attempt, runs)
         if left:
             self._engine.cancel(attempt.key, runs)
         elif not attempt.ending:
@@ -91,13 +118,26 @@ class Requested:
             self._database.requeue(record.job, [run], decide=decide_job)
 
     def _delete_job(self, job: str) -> None:
-        """Files first: a crash between leaves a job to be deleted again, not files of nobody."""
+        """Files first: a crash between leaves a job to be deleted again, not files of nobody.
+
+        But a model that it shares last: only then it shows whether another job needs it.
+        """
         if self._attempts_of(job):
             return  # Cancelled before; its processes are ending, the next look finds them gone.
-        for run in self._database.runs_of([job])[job]:
+        runs = self._database.runs_of([job])[job]
+        first = self._removed.get(job, 0)
+        for run in runs[first : first + _REMOVED_AT_ONCE]:
             run_place(self._store, run.id).remove()
+        if first + _REMOVED_AT_ONCE < len(runs):
+            # The rest at the next looks: others wait for theirs to be cancelled.
+            self._removed[job] = first + _REMOVED_AT_ONCE
+            return
+        self._removed.pop(job, None)
         job_place(self._store, job).remove()
+        models = self._database.known_models()
         self._database.remove_job(job)
+        for model in models - self._database.known_models():
+            ModelStore(model_place(self._store, model)).remove()
 
     def _attempts_of(self, job: str) -> list[Attempt]:
         return [item for item in self._attempts.values() if item.batch.job == job]

@@ -18,7 +18,7 @@ from server.store import (
     attempt_place,
     earlier_checkpoints,
 )
-from server.version import package_version
+from solver import studies
 from solver.errors import InputError
 from solver.simulation import Simulation
 
@@ -76,6 +76,7 @@ class Resumable:
             StoppedError: The process was asked to end; a checkpoint is stored.
         """
         if self._run in self._commands.cancelled:
+            self._commands.stepping = False
             raise CancelledError
         if self._commands.stop:
             self._checkpoint(simulation)
@@ -128,10 +129,10 @@ class Resumable:
 
 
 def _maker() -> Any:
-    return np.frombuffer(package_version().encode(), dtype=np.uint8)
+    return np.frombuffer(studies.source_digest().encode(), dtype=np.uint8)
 
 
 def _is_ours(checkpoint: Checkpoint) -> bool:
-    """Whether this version made it: another one's state may mean something else."""
+    """Whether this very source made it: another one's state may mean something else."""
     made_by = checkpoint.state.get(_MADE_BY)
     return made_by is not None and bytes(made_by) == bytes(_maker())

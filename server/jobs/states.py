@@ -5,7 +5,7 @@ queued --start--> running --finish--> done
    |                 |---time out---> timed_out
    |                 |-run out of memory-> out_of_memory
    |                 |----cancel----> cancelled
-   |                 |-----die------> queued      (its process died: tried again, three times)
+   |                 |-----die------> queued      (its process died: tried again, up to a limit)
    |                 |-----stop-----> queued      (its server was asked to stop)
    |                 `-----lose-----> queued      (its server, scheduler or worker went away)
    |------fail-----> failed                       (what it waits for failed)

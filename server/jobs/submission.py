@@ -132,11 +132,17 @@ class Capacity:
             computes_here: Whether batches take this machine's memory; others' is not known.
         """
         free = psutil.virtual_memory().available if computes_here else math.inf
-        disk = math.inf if folder is None else shutil.disk_usage(folder).free
+        disk = math.inf if folder is None else _free(folder)
         return cls(
             memory_bytes=limits.memory_fraction * free,
             disk_bytes=limits.disk_fraction * disk,
         )
+
+
+def _free(folder: Path) -> int:
+    """Free disk where a folder is, or will be. [B]"""
+    existing = next(item for item in (folder, *folder.absolute().parents) if item.exists())
+    return shutil.disk_usage(existing).free
 
 
 def admit(submission: Submission, limits: Limits, capacity: Capacity) -> Any:

@@ -81,7 +81,8 @@ def supervise(order: Order, post: Post, control: Control) -> None:
         event, error = _Supervised(order, post, control).until_ended()
     except Exception as failure:
         _log.exception("attempt %s could not be supervised", order.key)
-        event, error = Event.FAIL, f"The run could not be started: {failure}"
+        # Of this machine, not of the run: tried again, and failed if it happens every time.
+        event, error = Event.DIE, f"The run could not be supervised: {failure}."
     control.close()
     post(Report(key=order.key, kind="ended", data={"event": str(event), "error": error}))
 

@@ -10,6 +10,7 @@ import resource
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -25,6 +26,7 @@ from server.store import (
     Place,
     RunReader,
     RunWriter,
+    StoreError,
     attempt_place,
     claim,
     model_place,
@@ -75,7 +77,8 @@ def _prepare_model(store: Place, order: Order, send: Send) -> None:
 def _compute_run(store: Place, order: Order, run: RunTask, send: Send, commands: Commands) -> None:
     place = attempt_place(store, run.id, order.attempt)
     if not claim(place, order.key):
-        # An outer engine began this attempt twice: the other one goes on.
+        # An outer engine began this attempt a second time, for it lost the first: a new attempt
+        # goes on from its checkpoint.
         send(("lost", "", {}))
         return
 
@@ -94,8 +97,10 @@ def _compute_run(store: Place, order: Order, run: RunTask, send: Send, commands:
     except CancelledError:
         send(("cancelled", run.id, {}))
         return
-    _remove_earlier_attempts(store, run.id, order.attempt)
     send(("finished", run.id, {"verdicts": summary.get("verdicts", [])}))
+    with suppress(StoreError):
+        # What is left over can be cleaned away; the run is done.
+        _remove_earlier_attempts(store, run.id, order.attempt)
 
 
 def run_study(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
@@ -19,6 +20,9 @@ _TITLES = {
     "timed_out": "The run took too long",
     "out_of_memory": "The run took too much memory",
 }
+
+_UNSEEN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
+"""Unicode's categories of what steers text or breaks it, and of halves of characters."""
 
 
 def job_documents(service: Service, jobs: Sequence[JobRecord]) -> list[dict[str, Any]]:
@@ -92,8 +96,15 @@ def log_line(entry: EventRecord, indices: Mapping[str, int]) -> str:
     data = dict(entry.data)
     words = [str(data.pop(key)) for key in ("state", "text") if data.get(key)]
     words += [f"{name} {value}" for name, value in data.items() if value not in (None, "")]
-    what = "; ".join(words).encode("unicode_escape").decode("ascii")
+    what = "".join(map(_visible, "; ".join(words)))
     return f"{_time(entry.time)}  {who}  {what}\n"
+
+
+def _visible(character: str) -> str:
+    """A character as it is, one that breaks lines, steers or cannot be sent as an escape."""
+    if unicodedata.category(character) in _UNSEEN:
+        return character.encode("unicode_escape").decode("ascii")
+    return character
 
 
 def channel_document(channel: Any) -> dict[str, Any]:

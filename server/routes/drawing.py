@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
 from typing import Any
 
 from server.errors import Problem
-from server.jobs.process import child_context, end_with_parent
+from server.jobs.process import end_with_parent
 from server.plots import render
 
 __all__ = ["DrawingProcess"]
@@ -59,8 +60,9 @@ class DrawingProcess:
 
     def _open(self) -> ProcessPoolExecutor:
         if self._pool is None:
+            # Not of the forkserver of runs, which comes and goes with them.
             self._pool = ProcessPoolExecutor(
-                max_workers=1, mp_context=child_context(), initializer=end_with_parent
+                max_workers=1, mp_context=get_context("spawn"), initializer=end_with_parent
             )
         return self._pool
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +16,16 @@ from server.routes.service import Service
 from server.store import JobRecord, KeyReusedError, NewJob, QueueFullError
 from solver import studies
 
-__all__ = ["body_digest", "enqueue"]
+__all__ = ["NO_PLACE", "body_digest", "enqueue"]
+
+NO_PLACE: dict[int | str, dict[str, Any]] = {
+    503: {"description": "The queue is full; ``Retry-After`` says when to come again."},
+    507: {"description": "The results would take more disk than this server may use."},
+}
+"""Answers to what would have made a job, for the API's description."""
+
+_MODES_BYTES = 1_000_000
+"""What frequencies and the names of shapes take at most: one document. [B]"""
 
 
 def enqueue(
@@ -44,14 +54,12 @@ def enqueue(
             room.
     """
     new = _new_job(submission, source=source, key=key, digest=digest)
-    settings = service.settings
+    queued_limit = service.settings.limits.queued_jobs
     try:
-        report = admit(submission, settings.limits, service.capacity())
-        new = replace(new, disk_bytes=math.ceil(report.estimate.disk_bytes))
-        if submission.kind == "crossing":
-            new = replace(new, steps=report.estimate.steps)
-        require_room(service, new.disk_bytes)
-        job, made = service.database.add_job(new, queued_limit=settings.limits.queued_jobs)
+        steps, disk_bytes = _admitted(service, submission)
+        new = replace(new, steps=steps, disk_bytes=disk_bytes)
+        require_room(service, disk_bytes)
+        job, made = service.database.add_job(new, queued_limit=queued_limit)
     except KeyReusedError:
         raise _key_reused(key or "") from None
     except QueueFullError as error:
@@ -68,6 +76,18 @@ def body_digest(body: Any) -> str:
     """Digest of a parsed body: the same for the same values, whatever their order and spaces."""
     text = json.dumps(body, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def _admitted(service: Service, submission: Submission) -> tuple[int, int]:
+    """Steps and bytes that a job will take, where it is not refused."""
+    limits, capacity = service.settings.limits, service.capacity()
+    if submission.kind == "crossing":
+        estimate = admit(submission, limits, capacity).estimate
+        return estimate.steps, math.ceil(estimate.disk_bytes)
+    # The estimate is that of the crossing: frequencies take its memory, and no steps.
+    limits = replace(limits, runs_per_job=sys.maxsize, steps_per_job=sys.maxsize)
+    admit(submission, limits, replace(capacity, disk_bytes=math.inf))
+    return 1, _MODES_BYTES
 
 
 def _new_job(

@@ -92,9 +92,9 @@ async def _stream(service: Service, jobs: Sequence[str], after: int | None) -> S
             "Too many event streams are open. Close some tabs.",
             headers={"Retry-After": "10"},
         )
-    last = after
-    if last is None:
-        last = await run_in_threadpool(service.database.last_event)
+    newest = await run_in_threadpool(service.database.last_event)
+    # A number from before the database was replaced would keep the stream silent.
+    last = newest if after is None else min(after, newest)
     return StreamingResponse(
         _events(service, tuple(jobs), last),
         media_type="text/event-stream",

@@ -13,7 +13,7 @@ from server.jobs.gather import SUMMARY, worst_verdicts
 from server.jobs.submission import read_submission
 from server.routes.body import parsed_body
 from server.routes.documents import job_documents, log_line
-from server.routes.enqueue import body_digest, enqueue
+from server.routes.enqueue import NO_PLACE, body_digest, enqueue
 from server.routes.openapi import SUBMISSION_BODY
 from server.routes.schemas import Job, JobList, StateName, VerdictList
 from server.routes.service import Service, ServiceDependency
@@ -42,8 +42,7 @@ IdempotencyKey = Annotated[
     openapi_extra=SUBMISSION_BODY,
     responses={
         200: {"model": Job, "description": "The job of an earlier request with the same key."},
-        503: {"description": "The queue is full; ``Retry-After`` says when to come again."},
-        507: {"description": "The results would take more disk than this server may use."},
+        **NO_PLACE,
     },
 )
 def submit_job(
@@ -136,6 +135,13 @@ def read_job_verdicts(job_id: str, service: ServiceDependency) -> VerdictList:
 def read_job_summary(job_id: str, service: ServiceDependency) -> Response:
     """What all runs of a sweep gave together: verdicts and peaks, the worst of each rule."""
     job = service.job(job_id)
+    if job.state in ("queued", "running"):
+        # A job that is retried still has the summary of before.
+        raise Problem(
+            409,
+            "No summary yet",
+            f"The job is {job.state}. Its summary is made when its last run has ended.",
+        )
     document = job_place(service.store, job.id).read(SUMMARY)
     if document is None:
         raise Problem(

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Depends, Request, Response
 from starlette.responses import HTMLResponse
 
 from server.errors import Problem
+from server.routes.body import parsed_body
 from server.routes.schemas import Login
 from server.security import COOKIE, Access
 
@@ -75,7 +76,7 @@ def read_style() -> Response:
     return Response(_STYLE, media_type="text/css")
 
 
-@router.post("", status_code=204)
+@router.post("", status_code=204, dependencies=[Depends(parsed_body)])
 def log_in(login: Login, request: Request, response: Response) -> None:
     """Sets the cookie that proves the token."""
     access: Access = request.app.state.access

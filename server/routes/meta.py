@@ -31,4 +31,4 @@ def read_health(service: ServiceDependency) -> Health:
         return Health(status="ok", coordinator="elsewhere")
     if not service.queue_alive():
         raise Problem(503, "The queue stands still", "Restart the server; its log says more.")
-    return Health(status="ok", coordinator="here")
+    return Health(status="ok", coordinator="here", trouble=service.queue_trouble() or None)

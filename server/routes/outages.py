@@ -10,7 +10,7 @@ from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from starlette.responses import Response
 
 from server.errors import Problem
-from server.store import StoreError, StoreFullError
+from server.store import NotStoredError, StoreError, StoreFullError
 
 __all__ = ["DATABASE_AWAY", "install_outages"]
 
@@ -36,6 +36,11 @@ def install_outages(app: FastAPI) -> None:
 
     for kind in DATABASE_AWAY:
         app.add_exception_handler(kind, on_database)
+
+    @app.exception_handler(NotStoredError)
+    async def on_missing(request: Request, error: NotStoredError) -> Response:
+        detail = f"{error} It was removed or replaced while it was read. Read it again."
+        return Problem(409, "Not there any more", detail).response()
 
     @app.exception_handler(StoreError)
     async def on_store(request: Request, error: StoreError) -> Response:

@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Any
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter, Depends, Response
 
 from server.errors import Problem
 from server.jobs.submission import Submission, stored_study
+from server.routes.body import parsed_body
 from server.routes.documents import run_document
-from server.routes.enqueue import enqueue
+from server.routes.enqueue import NO_PLACE, enqueue
 from server.routes.jobs import job_answer
+from server.routes.quota import require_room
 from server.routes.schemas import Job, JobChange, Run
 from server.routes.service import ServiceDependency
 
@@ -22,6 +25,7 @@ __all__ = ["router"]
 
 router = APIRouter(prefix="/api/v1", tags=["jobs"])
 
+_NO_ROOM: dict[int | str, dict[str, Any]] = {507: NO_PLACE[507]}
 _ACTIVE = ("queued", "running")
 _ACT_SECONDS = 1.0
 """Time that a coordinator takes to act on a retry, at most, unless it is away. [s]"""
@@ -37,7 +41,7 @@ def cancel_job(job_id: str, service: ServiceDependency) -> Job:
     return job_answer(service, service.job(job_id))
 
 
-@router.post("/jobs/{job_id}/retry", status_code=202)
+@router.post("/jobs/{job_id}/retry", status_code=202, responses=_NO_ROOM)
 def retry_job(job_id: str, service: ServiceDependency) -> Job:
     """Queues the runs that ended without a result again; those that are done stay done."""
     job = service.job(job_id)
@@ -47,13 +51,16 @@ def retry_job(job_id: str, service: ServiceDependency) -> Job:
         )
     if job.state == "done":
         raise _conflict("Every run of the job is done. Clone it to compute all of them again.")
+    runs = service.database.runs_of([job.id])[job.id]
+    left = sum(run.state != "done" for run in runs)
+    require_room(service, job.disk_bytes * left / len(runs))
     service.database.request_retry(job.id)
     service.asked()
     _await(lambda: service.job(job_id).state in _ACTIVE)
     return job_answer(service, service.job(job_id))
 
 
-@router.post("/jobs/{job_id}/clone", status_code=202)
+@router.post("/jobs/{job_id}/clone", status_code=202, responses=NO_PLACE)
 def clone_job(job_id: str, response: Response, service: ServiceDependency) -> Job:
     """A new job with the same study, kind and priority."""
     job = service.job(job_id)
@@ -63,7 +70,7 @@ def clone_job(job_id: str, response: Response, service: ServiceDependency) -> Jo
     return job_answer(service, clone)
 
 
-@router.patch("/jobs/{job_id}")
+@router.patch("/jobs/{job_id}", dependencies=[Depends(parsed_body)])
 def change_job(job_id: str, change: JobChange, service: ServiceDependency) -> Job:
     """Changes how soon a job's waiting runs begin."""
     job = service.job(job_id)
@@ -91,7 +98,7 @@ def cancel_run(run_id: str, service: ServiceDependency) -> Run:
     return Run.model_validate(run_document(service, service.run(run_id)))
 
 
-@router.post("/runs/{run_id}/retry", status_code=202, tags=["runs"])
+@router.post("/runs/{run_id}/retry", status_code=202, tags=["runs"], responses=_NO_ROOM)
 def retry_run(run_id: str, service: ServiceDependency) -> Run:
     """Queues one run again that ended without a result."""
     run = service.run(run_id)
@@ -99,6 +106,11 @@ def retry_run(run_id: str, service: ServiceDependency) -> Run:
         raise _conflict(f"The run is {run.state}. Wait until it has ended, or cancel it first.")
     if run.state == "done":
         raise _conflict("The run is done. Clone its job to compute it again.")
+    job = service.job(run.job)
+    runs = service.database.runs_of([job.id])[job.id]
+    # A job that lives has room for all of its runs.
+    if job.state not in _ACTIVE:
+        require_room(service, job.disk_bytes / len(runs))
     service.database.request_retry_run(run.id)
     service.asked()
     _await(lambda: service.run(run_id).state in _ACTIVE)

@@ -291,6 +291,8 @@ class Health(_Model):
     status: Literal["ok"]
     coordinator: Literal["here", "elsewhere"]
     """Whether this process hands out the runs, or another one that it cannot see."""
+    trouble: str | None = None
+    """Why the coordinator here hands out nothing at the moment; it tries again by itself."""
 
 
 class JobChange(BaseModel):

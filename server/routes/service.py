@@ -40,6 +40,8 @@ class Service:
         wake: Tells a coordinator of this process that something is asked of it; does nothing where
             it is elsewhere, for it looks by itself.
         queue_alive: Whether the coordinator of this process works; None where it is elsewhere.
+        queue_trouble: Why the coordinator of this process hands out nothing at the moment; empty
+            where all is well.
         changes: Wakes event streams.
         pace: How fast the last jobs went.
     """
@@ -50,6 +52,7 @@ class Service:
     drawing: DrawingProcess
     wake: Callable[[], None]
     queue_alive: Callable[[], bool] | None = None
+    queue_trouble: Callable[[], str] = lambda: ""
     changes: Changes = field(default_factory=Changes)
     pace: Pace = field(default_factory=Pace)
 

@@ -93,8 +93,11 @@ def memory_trouble(text: str) -> Trouble | None:
 
 
 def without_secrets(url: str) -> str:
-    """A URL that can be shown: its password, and what its query may hide, are starred out."""
+    """A URL that can be shown: its password, and what its query may hide, are starred out.
+
+    A password that should have been escaped may hold any character: all to the last @ is hidden.
+    """
     if "://" not in url:
         return url
-    shown = re.sub(r"(?<=://)([^/@:]*):[^/]*@", r"\1:***@", url)
+    shown = re.sub(r"(?s)(?<=://)([^:@]*):.*@", r"\1:***@", url)
     return re.sub(r"(?i)([?&][^=&]*(?:pass|secret|token|key)[^=&]*=)[^&]*", r"\1***", shown)

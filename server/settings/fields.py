@@ -151,8 +151,11 @@ class Settings:
 
     @property
     def database_url(self) -> str:
-        """Where the database is: the setting, or SQLite in the data folder."""
-        return self.database or f"sqlite:///{self.data / DATABASE_NAME}"
+        """Where the database is: the setting's URL, or the path of SQLite in the data folder.
+
+        A path, for in a URL the folder's name could hold characters that mean something else.
+        """
+        return self.database or str(self.data / DATABASE_NAME)
 
     @property
     def store_url(self) -> str:

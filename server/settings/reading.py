@@ -31,7 +31,7 @@ CONFIG_NAME = "trainbridge.toml"
 """File that is read where it lies in the working folder and no other is named."""
 
 _PREFIX = "TRAINBRIDGE_"
-_OTHERS = frozenset({"TOKEN", "TOKEN_FILE", "CONFIG", "SERVER", "NO_SKIP", "SCREENSHOTS"})
+_OTHERS = frozenset({"TOKEN", "TOKEN_FILE", "CONFIG", "SERVER", "NO_SKIP", "SCREENSHOTS", "KILLS"})
 """Variables of the command line and of the tests: no settings, and known."""
 _OTHER_PREFIXES = ("TEST_", "CHECK_")
 _DEFAULT = "default"
@@ -120,6 +120,8 @@ def read_settings(
     limits = {name.removeprefix("limits."): v for name, v in found.values.items() if "." in name}
     values = {name: value for name, value in found.values.items() if "." not in name}
     values["data"] = (here / values.get("data", _settings()["data"].default)).absolute()
+    if values.get("store") and "://" not in values["store"]:
+        values["store"] = str((here / values["store"]).absolute())
     settings = Settings(**values, token=token, limits=Limits(**limits))
     if listens:
         settings.require_safe_host()

@@ -15,6 +15,7 @@ from server.store.documents import plain, read_document, write_document
 from server.store.failures import CheckpointError, PlaceError, StoreError, StoreFullError
 from server.store.layout import attempt_place, job_place, model_place, run_place
 from server.store.model_store import ModelStore
+from server.store.ownership import OWNER, claim_store
 from server.store.place import Place, check_place, claim, open_place
 from server.store.plan import StoredPlan
 from server.store.reader import NotStoredError, RunReader
@@ -34,6 +35,7 @@ from server.store.records import (
 from server.store.writer import RunWriter, write_summary
 
 __all__ = [
+    "OWNER",
     "AdvisoryLock",
     "BatchRecord",
     "Checkpoint",
@@ -67,6 +69,7 @@ __all__ = [
     "attempt_place",
     "check_place",
     "claim",
+    "claim_store",
     "earlier_checkpoints",
     "free_bytes",
     "job_place",

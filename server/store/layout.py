@@ -3,6 +3,7 @@
     runs/<run>/<attempt>/    one attempt at a run, the attempt in three digits
     jobs/<job>/              what a job's runs gave together
     models/<key>/            what the runs of a sweep share
+    OWNER                    the database that knows what of this is needed
 
 Below an attempt's:
 

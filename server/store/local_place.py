@@ -17,7 +17,7 @@ from zarr.storage import LocalStore
 
 from server.store.failures import explained, explained_writing
 
-__all__ = ["PARTIAL", "LocalPlace", "checked_name"]
+__all__ = ["PARTIAL", "LocalPlace", "checked_name", "is_shard"]
 
 PARTIAL = ".partial"
 """How the names of unfinished files end; those of Zarr's local store end so, too."""
@@ -32,6 +32,15 @@ def checked_name(name: str) -> str:
     if name in ("", ".", "..") or any(mark in name for mark in "/\\\0"):
         raise ValueError(f"{name!r} is not the name of a document or a place")
     return name
+
+
+def is_shard(key: str) -> bool:
+    """Whether a key of a Zarr store names a shard of a run's arrays.
+
+    Each shard that holds a committed row was written. Zarr would read one that was removed as NaN,
+    so that the stores that read raise ``FileNotFoundError`` instead.
+    """
+    return key.rpartition("/")[2].startswith("c.")
 
 
 @dataclass(frozen=True)
@@ -67,7 +76,7 @@ class LocalPlace:
         target = self.folder / checked_name(name)
         with explained_writing(str(self.folder)), _unfinished(target, data) as unfinished:
             os.replace(unfinished, target)
-            _sync_folder(self.folder)
+            _sync(self.folder)
 
     def create(self, name: str, data: bytes) -> bool:
         """Creates a file unless it exists."""
@@ -78,7 +87,7 @@ class LocalPlace:
                 os.link(unfinished, target)
             except FileExistsError:
                 return False
-            _sync_folder(self.folder)
+            _sync(self.folder)
             return True
 
     def exists(self, name: str) -> bool:
@@ -125,8 +134,8 @@ class LocalPlace:
                 raise
             except OSError:
                 shutil.copyfile(origin, target)
-                _sync_file(target)
-            _sync_folder(self.folder)
+                _sync(target)
+            _sync(self.folder)
 
     def sync(self, store: Any) -> None:
         """Makes what was written to one of this place's Zarr stores durable."""
@@ -157,6 +166,8 @@ class _ReadingStore(LocalStore):
                 file.seek(begin)
                 data = file.read(count)
         except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
+            if is_shard(key):
+                raise
             return None
         return (prototype or default_buffer_prototype()).buffer.from_bytes(data)
 
@@ -203,12 +214,12 @@ class _RecordingStore(LocalStore):
         files = sorted(self._files)
         folders: set[Path] = set()
         for path in files:
-            _sync_file(path)
+            _sync(path)
             folders.add(path.parent)
             above = [self.root.parent, *_between(self.root, path.parent)]
             folders |= set(above) - self._durable_folders
         for folder in sorted(folders, reverse=True):
-            _sync_folder(folder)
+            _sync(folder)
         self._durable_folders |= folders
         self._files.difference_update(files)
 
@@ -238,21 +249,15 @@ def _make_folder(folder: Path) -> None:
         return
     _make_folder(folder.parent)
     folder.mkdir(exist_ok=True)
-    _sync_folder(folder.parent)
+    _sync(folder.parent)
 
 
-def _sync_file(path: Path) -> None:
+def _sync(path: Path) -> None:
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
-
-
-def _sync_folder(folder: Path) -> None:
-    if os.name == "nt":  # Windows opens no folders
-        return
-    _sync_file(folder)
 
 
 def _remove_tree(folder: Path) -> None:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from typing import Any
 from urllib.parse import quote
 
 from numpy.typing import NDArray
 
+from server.store.failures import StoreError
 from server.store.layout import DONE
 from server.store.packing import pack, unpack
 from server.store.place import Place
 
 __all__ = ["ModelStore"]
+
+_log = logging.getLogger("trainbridge.store")
 
 
 class ModelStore:
@@ -31,8 +35,13 @@ class ModelStore:
         self.place = place
 
     def load(self, name: str) -> Mapping[str, NDArray[Any]] | None:
-        """The arrays of a name; None where they are missing or damaged."""
-        found = unpack(self.place.read(_object(name)))
+        """The arrays of a name; None where they are missing, damaged or cannot be read."""
+        try:
+            found = unpack(self.place.read(_object(name)))
+        except StoreError as error:
+            # Whoever asks can make them; a run shall not fail for want of what saves time.
+            _log.warning("the prepared model's %s is made anew: %s", name, error)
+            return None
         return None if found is None else found[0]
 
     def save(self, name: str, arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -51,6 +60,11 @@ class ModelStore:
     def finish(self) -> None:
         """Marks the model as complete; to be called last."""
         self.place.write(DONE, b"")
+
+    def remove(self) -> None:
+        """Removes the model, its mark first: a part of it never looks complete."""
+        self.place.remove(DONE)
+        self.place.remove()
 
 
 def _object(name: str) -> str:

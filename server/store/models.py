@@ -23,7 +23,16 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
-__all__ = ["LIVE", "BatchRow", "EventRow", "JobRow", "RunRow", "SchemaRow", "Table"]
+__all__ = [
+    "LIVE",
+    "BatchRow",
+    "EventRow",
+    "InstallationRow",
+    "JobRow",
+    "RunRow",
+    "SchemaRow",
+    "Table",
+]
 
 LIVE = ("queued", "running")
 """States of a job, a batch or a run that has not ended."""
@@ -59,6 +68,13 @@ class SchemaRow(Table):
 
     __tablename__ = "schema_version"
     version: Mapped[int] = mapped_column(Integer, primary_key=True)
+
+
+class InstallationRow(Table):
+    """One row: a random name that the database was given when it was made."""
+
+    __tablename__ = "installation"
+    id: Mapped[str] = mapped_column(String(32), primary_key=True)
 
 
 class JobRow(Table):

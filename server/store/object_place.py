@@ -16,7 +16,7 @@ from obstore.store import from_url
 from zarr.storage import ObjectStore, StorePath
 
 from server.store.failures import PlaceError, StoreError, explained
-from server.store.local_place import checked_name
+from server.store.local_place import checked_name, is_shard
 
 __all__ = ["ObjectPlace"]
 
@@ -147,7 +147,8 @@ class ObjectPlace:
 
     def zarr(self, name: str, *, read_only: bool) -> Any:
         """A Zarr store below this place."""
-        return StorePath(ObjectStore(self._client, read_only=read_only), self._key(name))
+        kind = _ReadingObjects if read_only else ObjectStore
+        return StorePath(kind(self._client, read_only=read_only), self._key(name))
 
     @property
     def _client(self) -> Any:
@@ -174,6 +175,16 @@ class ObjectPlace:
         return StoreError(
             f"There is no bucket at {self.root}. Create it, or give another store; then retry."
         )
+
+
+class _ReadingObjects(ObjectStore[Any]):
+    """Zarr's object store, for which a shard that is missing is an error."""
+
+    async def get(self, key: str, prototype: Any, byte_range: Any = None) -> Any:
+        found = await super().get(key, prototype, byte_range)
+        if found is None and is_shard(key):
+            raise FileNotFoundError(key)
+        return found
 
 
 @lru_cache(maxsize=8)

@@ -315,7 +315,8 @@ def _put_back(session: Session, job: str, runs: Sequence[str]) -> list[tuple[str
         .where(
             RunRow.job == job,
             RunRow.id.in_(list(runs)),
-            RunRow.state.not_in(LIVE),
+            # One that is done stays done, however often somebody asks.
+            RunRow.state.not_in((*LIVE, "done")),
             BatchRow.state != "running",
         )
         .order_by(RunRow.index)

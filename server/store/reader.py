@@ -12,7 +12,15 @@ import numpy as np
 
 from server.store.documents import read_document
 from server.store.failures import explained
-from server.store.layout import COMMIT, DONE, LIVE, RESULT, SUMMARY, open_group
+from server.store.layout import (
+    COMMIT,
+    DONE,
+    LIVE,
+    RESULT,
+    SUMMARY,
+    array_layouts,
+    open_group,
+)
 from server.store.place import Place, as_place
 from server.store.plan import StoredPlan, read_plan
 from solver.arrays import IntVector, Matrix, Vector
@@ -38,7 +46,8 @@ class RunReader:
     """One attempt's plan, histories, frames and summary.
 
     Samples beyond the committed count do not exist for a reader, so that it never sees a part of
-    a step. All values are SI.
+    a step; and what was committed is read whole, or ``NotStoredError`` says that the attempt was
+    removed. All values are SI.
     """
 
     def __init__(self, place: Place | Path) -> None:
@@ -49,6 +58,7 @@ class RunReader:
         """
         self.place = as_place(place)
         self._last_commit: _Commit | None = None
+        self._seen = 0
         self._groups: dict[str, dict[str, Any]] = {}
         self._plan: StoredPlan | None = None
 
@@ -60,7 +70,10 @@ class RunReader:
             NotStoredError: The run has not come to its first step.
         """
         if self._plan is None:
-            self._plan = read_plan(self.place)
+            try:
+                self._plan = read_plan(self.place)
+            except (FileNotFoundError, KeyError) as error:
+                raise self._removed() from error
         if self._plan is None:
             raise NotStoredError("The run has no histories yet.")
         return self._plan
@@ -124,11 +137,15 @@ class RunReader:
         Raises:
             NotStoredError: There is no such history.
         """
-        array = self._array(RESULT, "filtered") if self._commit().group == RESULT else None
-        names = [] if array is None else list(array.attrs["names"])
-        if array is None or name not in names:
-            raise NotStoredError(f"There is no filtered history {name[:80]!r}.")
-        return np.asarray(array[:, names.index(name)])
+
+        def read(commit: _Commit) -> Vector:
+            array = self._array(RESULT, "filtered") if commit.group == RESULT else None
+            names = [] if array is None else list(array.attrs["names"])
+            if array is None or name not in names:
+                raise NotStoredError(f"There is no filtered history {name[:80]!r}.")
+            return np.asarray(array[:, names.index(name)])
+
+        return self._consistent(read)
 
     def frame_step(self, index: int) -> int:
         """The step of a frame."""
@@ -200,18 +217,23 @@ class RunReader:
         return self._consistent(read)
 
     def _consistent(self, read: Callable[[_Commit], _Values]) -> _Values:
-        """Reads again where the arrays were rewritten into long shards meanwhile."""
+        """Reads again where the arrays were rewritten into long shards meanwhile.
+
+        Raises:
+            NotStoredError: The attempt was removed meanwhile: deleted, or replaced by a later one.
+        """
         while True:
             before = self._commit()
+            if before.samples < self._seen:
+                raise self._removed()
+            self._seen = before.samples
             try:
                 with explained(self.place.url):
-                    values = read(before)
-            except (FileNotFoundError, KeyError):
-                if self._commit().group == before.group:
-                    raise
-                continue
-            if self._commit().group == before.group:
-                return values
+                    return read(before)
+            except (FileNotFoundError, KeyError) as error:
+                after = self._commit()
+                if after.group == before.group or after.samples < before.samples:
+                    raise self._removed() from error
 
     def _commit(self) -> _Commit:
         if self._last_commit is not None:
@@ -224,11 +246,17 @@ class RunReader:
             self._last_commit = commit
         return commit
 
+    def _removed(self) -> NotStoredError:
+        return NotStoredError("The run's results were removed while they were read. Read again.")
+
     def _array(self, group: str, name: str) -> Any:
+        """A stored array; None where the run has none of this name."""
         arrays = self._groups.setdefault(group, {})
         if name not in arrays:
             opened = open_group(self.place, group, "r")[0].get(name)
             if opened is None:
+                if any(layout.name == name for layout in array_layouts(self.plan)):
+                    raise FileNotFoundError(f"{self.place.url}/{group}/{name}")
                 return None
             arrays[name] = opened
         return arrays[name]

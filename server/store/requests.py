@@ -19,7 +19,15 @@ class RequestFlags(Sessions):
 
     def request_cancel(self, job: str) -> bool:
         """Notes that a job shall be cancelled; False where there is no such job."""
-        return self._note(job, cancel_requested=True, retry_requested=False)
+        change = update(JobRow).where(JobRow.id == job, ~JobRow.delete_requested)
+        change = change.values(cancel_requested=True, retry_requested=False)
+        # A retry of one of its runs that was not settled yet must not come to life afterwards.
+        forget = update(RunRow).where(RunRow.job == job).values(retry_requested=False)
+        with self._write() as session:
+            if not session.execute(change.returning(JobRow.id)).all():
+                return False
+            session.execute(forget)
+            return True
 
     def request_cancel_run(self, run: str) -> bool:
         """Notes that one run shall be cancelled; False where there is no such run."""
@@ -48,7 +56,7 @@ class RequestFlags(Sessions):
         """Everything that was asked for and is not settled.
 
         A retry waits until what it is about has ended for good: no job that is being cancelled, and
-        no run whose process is still ending.
+        no run or prepared model whose process is still ending.
         """
         live = JobRow.state.in_(LIVE)
         ends = and_(live, JobRow.cancel_requested)
@@ -57,7 +65,8 @@ class RequestFlags(Sessions):
         failed = RunRow.state.not_in([*LIVE, "done"])
         of_job = and_(RunRow.job == JobRow.id, BatchRow.id == RunRow.batch)
         ending = exists().where(of_job, failed, running)
-        again = and_(~JobRow.delete_requested, ~ends)
+        preparing = busy.where(BatchRow.purpose == "prepare")
+        again = and_(~JobRow.delete_requested, ~ends, ~preparing)
         with self._read() as session:
             return Requests(
                 cancel_jobs=_jobs(session, ends),
@@ -71,7 +80,7 @@ class RequestFlags(Sessions):
                 retry_runs=_runs(
                     session,
                     RunRow.retry_requested,
-                    RunRow.state.not_in(LIVE),
+                    failed,
                     ~JobRow.retry_requested,
                     again,
                     ~exists().where(BatchRow.id == RunRow.batch, running),

@@ -14,12 +14,13 @@ from pathlib import Path
 
 from sqlalchemy import URL, Connection, Engine, inspect, text
 
+from server.settings.addresses import without_secrets
 from server.store.sessions import database_url, open_engine, take_right_to_write
 
 __all__ = ["MIGRATIONS", "REVISIONS", "SchemaVersionError", "migrate", "require_schema"]
 
 MIGRATIONS = Path(__file__).parent / "migrations"
-REVISIONS = ("0001", "0002")
+REVISIONS = ("0001", "0002", "0003")
 """Every revision, oldest first; the last is what this program reads."""
 
 
@@ -170,5 +171,6 @@ def _file(url: URL) -> Path | None:
 
 
 def _shown(url: URL) -> str:
-    """A database's address without its password."""
-    return url.database or "" if _file(url) else url.render_as_string(hide_password=True)
+    """A database's address without its secrets."""
+    file = _file(url)
+    return str(file) if file else without_secrets(url.render_as_string(hide_password=False))

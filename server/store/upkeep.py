@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from sqlalchemy import delete, exists, select
 
-from server.store.models import LIVE, BatchRow, EventRow, JobRow, RunRow
+from server.store.models import LIVE, BatchRow, EventRow, InstallationRow, JobRow, RunRow
 from server.store.sessions import Sessions
 
 __all__ = ["Upkeep"]
@@ -36,6 +36,11 @@ class Upkeep(Sessions):
         )
         with self._read() as session:
             return list(session.scalars(query))
+
+    def installation(self) -> str:
+        """The name of this database, which no other has."""
+        with self._read() as session:
+            return session.scalars(select(InstallationRow.id)).one()
 
     def known_runs(self) -> set[str]:
         """Every run of every job."""

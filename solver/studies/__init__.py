@@ -7,7 +7,7 @@ from solver.studies.estimate import Estimate
 from solver.studies.json import to_json
 from solver.studies.modes import modal_analysis
 from solver.studies.prepare import prepare, prepare_model, runs_of
-from solver.studies.shared import model_key
+from solver.studies.shared import model_key, source_digest
 from solver.studies.simulate import simulate
 from solver.studies.study import Study
 from solver.studies.templates import Template, template, templates
@@ -28,6 +28,7 @@ __all__ = [
     "prepare_model",
     "runs_of",
     "simulate",
+    "source_digest",
     "template",
     "templates",
     "to_json",

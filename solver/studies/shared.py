@@ -45,7 +45,7 @@ from solver.system import System
 from solver.system.statics import StaticState, at_rest_beyond, standing, static_start
 from solver.system.track_compliance import matched_approach
 
-__all__ = ["Shared", "model_key"]
+__all__ = ["Shared", "model_key", "source_digest"]
 
 _ORIGIN, _CONTENT = "origin", "content"
 """Names of the two digests in an entry."""
@@ -65,7 +65,7 @@ def model_key(study: Study) -> str | None:
     parts = {name: value for name, value in to_json(study).items() if name not in _OF_ONE_RUN}
     parts["extent"].pop("run_out")
     kind = f"{platform.system()} {platform.machine()}, {back_end_name()}"
-    return _digest(_source(), kind, parts).hex()[:32]
+    return _digest(source_digest(), kind, parts).hex()[:32]
 
 
 class Shared:
@@ -200,7 +200,7 @@ def _content(arrays: Arrays) -> bytes:
 
 def _origin(*parts: object) -> bytes:
     """Of things that an entry is made from, with all else that its last bits depend on."""
-    return _digest(_source(), arithmetic(), *parts)
+    return _digest(source_digest(), arithmetic(), *parts)
 
 
 def _digest(*parts: object) -> bytes:
@@ -225,8 +225,12 @@ def _feed(state: Any, part: object) -> None:
 
 
 @cache
-def _source() -> str:
-    """Digest of the solver's own source and data: whatever changes in it, makes a new model."""
+def source_digest() -> str:
+    """Digest of the solver's own source and data: what another one has stored may mean otherwise.
+
+    Returns:
+        64 hexadecimal digits.
+    """
     state = hashlib.sha256()
     for path, text in sorted(_texts(files("solver"), "")):
         state.update(path.encode())

@@ -110,11 +110,17 @@ def throughput(engine: str, runs: int) -> Iterator[Row]:
         # The engine is there, the solver is loaded.
         server.wait(server.client.submit(beam_study()).id)
         begin = time.perf_counter()
-        server.wait(server.client.submit(beam_study(runs)).id)
+        job = server.client.submit(beam_study(runs)).id
+        server.wait(job)
         elapsed = time.perf_counter() - begin
+        computed = sum(
+            json.loads(server.get(f"runs/{run.id}/verdicts"))["items"][0]["value"]
+            for run in server.client.job(job).runs
+        )
     name = f"{runs} one-second runs on 2 cores, {engine}"
     yield Row(name=name, unit="s", value=elapsed, bound=bound)
-    over = 1e3 * (elapsed - runs / 2) / runs
+    # On a machine that others use a run takes longer than its second: that is not the queue's.
+    over = 1e3 * (elapsed - computed / 2) / runs
     promised = 50.0 if engine == "local" else None
     yield Row(name=f"overhead of each, {engine}", unit="ms", value=over, bound=promised)
     with served("finish", ENGINE=engine) as server:

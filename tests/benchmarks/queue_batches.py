@@ -19,15 +19,20 @@ _PROGRESS_SECONDS = 0.03
 
 
 def burn(order: Order, send: Send, commands: Commands) -> None:
-    """One second of a core for each run, then done; a gather takes no time."""
+    """One second of a core for each run, then done; a gather takes no time.
+
+    The verdict tells how long that took: more than a second where others have the cores.
+    """
     del commands
     if order.purpose != "runs":
         return
     for run in order.runs:
-        limit = time.process_time() + 1.0
+        begin, limit = time.perf_counter(), time.process_time() + 1.0
         while time.process_time() < limit:
             sum(range(10_000))
-        send(("finished", run.id, {"verdicts": []}))
+        took = time.perf_counter() - begin
+        verdict = {"rule": "burn", "limit": 1.0, "value": took, "exceeds": took > 1.0}
+        send(("finished", run.id, {"verdicts": [verdict]}))
 
 
 def tell_the_time(order: Order, send: Send, commands: Commands) -> None:

@@ -33,7 +33,8 @@ def wait_for_cancel(order: Order, send: Send, commands: Commands) -> None:
             left.remove(run)
             send(("cancelled", run, {}))
         time.sleep(0.01)
-    send(("finished", left[0], {"verdicts": []}))
+    for run in left:
+        send(("finished", run, {"verdicts": []}))
 
 
 def resume(order: Order, send: Send, commands: Commands) -> None:

@@ -103,7 +103,7 @@ class Deployment:
     server: Node
 
     def __init__(self, folder: Path, engine: str, database: str = "", **settings: str) -> None:
-        """Starts everything.
+        """Starts nothing yet.
 
         Args:
             folder: Of data, certificates and logs.
@@ -119,23 +119,30 @@ class Deployment:
         if database:
             self._settings["DATABASE"] = database
         self.workers: list[Node] = []
-        self._scheduler: Node | None = None
-        if engine == "tls":
+        self._database_url = database or self._data / DATABASE_NAME
+        self._held = ExitStack()
+
+    def begin(self) -> None:
+        """Starts everything."""
+        if self.engine == "tls":
             self._start_cluster()
         self.start()
-        self._database = Database(database or self._data / DATABASE_NAME)
+        self._database = Database(self._database_url)
+        self._held.callback(self._database.close)
 
     def _start_cluster(self) -> None:
         self._settings |= {"ENGINE": "local", **_certificates(self._folder)}
-        self._scheduler = self._node("scheduler", "--port", "0")
-        found = re.search(r"tls://\S+", self._scheduler.line)
-        assert found is not None, self._scheduler.line
+        scheduler = self._node("scheduler", "--port", "0")
+        found = re.search(r"tls://\S+", scheduler.line)
+        assert found is not None, scheduler.line
         self._settings["ENGINE"] = found.group()
         for _ in range(2):
             self.add_worker()
 
     def _node(self, *command: str) -> Node:
-        return Node(self._folder / f"{command[0]}.log", self._settings, *command)
+        node = Node(self._folder / f"{command[0]}.log", self._settings, *command)
+        self._held.callback(node.end)
+        return node
 
     def add_worker(self) -> None:
         """One more ``trainbridge worker``, of one slot."""
@@ -147,6 +154,7 @@ class Deployment:
         found = re.search(r"http://\S+", self.server.line)
         assert found is not None, self.server.line
         self.client = TrainbridgeClient(found.group())
+        self._held.callback(self.client.close)
         until(self._answers, bool)
 
     def kill_server(self) -> list[psutil.Process]:
@@ -157,15 +165,8 @@ class Deployment:
         return mine
 
     def end(self) -> None:
-        """Stops everything as people do."""
-        self.client.close()
-        self._database.close()
-        nodes = [self.server, *self.workers]
-        if self._scheduler is not None:
-            nodes.append(self._scheduler)
-        with ExitStack() as stack:
-            for node in reversed(nodes):
-                stack.callback(node.end)
+        """Stops everything as people do, what began last first."""
+        self._held.close()
 
     def _answers(self) -> bool:
         with suppress(ClientError):
@@ -224,6 +225,7 @@ def deployed(
     """A deployment that is stopped in the end."""
     deployment = Deployment(folder, engine, database, **settings)
     try:
+        deployment.begin()
         yield deployment
     finally:
         deployment.end()

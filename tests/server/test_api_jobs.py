@@ -10,8 +10,11 @@ from typing import Any
 
 import pytest
 
+from server.jobs.gather import SUMMARY
+from server.routes.documents import log_line
 from server.routes.forecast import queue_rates
-from server.store import JobRecord, attempt_place
+from server.settings import Limits
+from server.store import EventRecord, JobRecord, attempt_place, job_place
 from tests.server import odd_batches
 from tests.server.server_case import (
     Client,
@@ -245,6 +248,11 @@ def test_what_cannot_be_asked_for_now_is_a_conflict(client: Client, busy: Client
     answer = client.get(f"/api/v1/jobs/{done['id']}/summary")
     assert answer.status_code == 409
     assert "one run has none" in answer.json()["detail"]
+    # That of before a retry is no summary of what computes now.
+    job_place(busy.app.state.service.store, running["id"]).write(SUMMARY, b"{}")
+    answer = busy.get(f"/api/v1/jobs/{running['id']}/summary")
+    assert answer.status_code == 409
+    assert "The job is running" in answer.json()["detail"]
 
 
 def test_one_run_leaves_its_job(tmp_path: Path) -> None:
@@ -287,6 +295,21 @@ def test_the_log_has_a_line_for_each_thing_that_happened(tmp_path: Path) -> None
     assert any("  job  queued" in line for line in lines)
 
 
+def test_the_log_keeps_what_can_be_read() -> None:
+    text = "peak 3.5 m/s² \u2265 2,5 Brücke\nnext\u2028line\x1b[31m\ud800"
+    entry = EventRecord(id=1, job="a", run=None, kind="log", time=0.0, data={"text": text})
+    line = log_line(entry, {})
+    assert "peak 3.5 m/s² \u2265 2,5 Brücke\\nnext\\u2028line\\x1b[31m\\ud800" in line
+    assert len(line.splitlines()) == 1
+    line.encode()
+
+
+def test_the_description_tells_when_there_is_no_place(client: Client) -> None:
+    paths = client.json("openapi.json")["paths"]
+    for path in ("/jobs", "/jobs/{job_id}/clone"):
+        assert {"503", "507"} <= set(paths[f"/api/v1{path}"]["post"]["responses"])
+
+
 def test_a_quota_is_kept(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path, quota_bytes=1_000_000)) as client:
         answer = client.post("/api/v1/jobs", json={"study": beam_study()})
@@ -309,6 +332,34 @@ def test_a_quota_is_kept(tmp_path: Path) -> None:
         post(client, f"jobs/{job['id']}/clone", 507)
 
 
+def test_a_retry_keeps_the_quota(tmp_path: Path) -> None:
+    estimate = disk_bytes(tmp_path)
+    settings = settings_for(tmp_path, quota_bytes=int(1.5 * estimate))
+    with serving(settings, compute=odd_batches.fail) as client:
+        job = ended(client, submit(client, beam_study())["id"])
+        store = client.app.state.service.store
+        attempt_place(store, job["runs"][0]["id"], 1).write("much", bytes(int(0.8 * estimate)))
+        post(client, f"jobs/{job['id']}/retry", 507)
+        post(client, f"runs/{job['runs'][0]['id']}/retry", 507)
+        assert client.json(f"jobs/{job['id']}")["state"] == "failed"
+
+
+def test_frequencies_are_not_held_to_the_limits_of_a_crossing(tmp_path: Path) -> None:
+    limits = Limits(runs_per_job=1, steps_per_job=1, disk_fraction=1e-12)
+    settings = settings_for(tmp_path, limits=limits, quota_bytes=2_000_000)
+    with serving(settings, compute=odd_batches.finish) as client:
+        study = beam_study(sweep={"speeds": [20.0, 30.0]})
+        refused = post(client, "jobs", 422, json={"study": study})
+        assert {item["pointer"] for item in refused["errors"]} == {
+            "/study/sweep/speeds",
+            "/study/integration/time_step",
+            "/study/outputs/frame_interval",
+        }
+        job = submit(client, study, kind="modes")
+        assert client.app.state.service.database.job(job["id"]).disk_bytes <= 1_000_000
+        assert ended(client, job["id"])["state"] == "done"
+
+
 def disk_bytes(folder: Path) -> float:
     with serving(settings_for(folder / "measure")) as client:
         report = client.post("/api/v1/studies/validate", json={"study": beam_study()}).json()
@@ -329,12 +380,25 @@ def test_an_attempt_that_resumes_shows_what_the_one_before_had(tmp_path: Path) -
 
 
 def test_health_tells_whose_coordinator_it_is(client: Client, tmp_path: Path) -> None:
-    assert client.json("health") == {"status": "ok", "coordinator": "here"}
+    here = {"status": "ok", "coordinator": "here", "trouble": None}
+    assert client.json("health") == here
     with serving(settings_for(tmp_path, coordinator=False)) as alone:
-        assert alone.json("health") == {"status": "ok", "coordinator": "elsewhere"}
+        assert alone.json("health") == {**here, "coordinator": "elsewhere"}
         # Jobs are taken all the same: they wait for whoever coordinates.
         job = submit(alone, short_study())
         assert alone.json(f"jobs/{job['id']}")["state"] == "queued"
+
+
+def test_health_tells_why_nothing_computes(tmp_path: Path) -> None:
+    with serving(settings_for(tmp_path), compute=odd_batches.finish) as client:
+        service = client.app.state.service
+        trouble = "No scheduler answers at tcp://127.0.0.1:1."
+        client.app.state.service = replace(service, queue_trouble=lambda: trouble)
+        assert client.json("health") == {
+            "status": "ok",
+            "coordinator": "here",
+            "trouble": trouble,
+        }
 
 
 def record(started: float, ended: float, steps: int) -> JobRecord:

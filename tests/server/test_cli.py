@@ -79,6 +79,26 @@ def test_each_speed_gets_its_folder(tmp_path: Path) -> None:
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["run-000", "run-001"]
 
 
+def test_a_full_disk_is_said_in_a_line(tmp_path: Path) -> None:
+    study = tmp_path / "study.json"
+    study.write_text(json.dumps(short_study()))
+    limited = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)); "
+        "from server.__main__ import main; main()"
+    )
+    full = subprocess.run(
+        [sys.executable, "-c", limited, "run", str(study), "--out", str(tmp_path / "out")],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        cwd=ROOT,
+        check=False,
+    )
+    assert full.returncode == 1
+    assert "There is no room left" in full.stderr
+    assert "Traceback" not in full.stderr
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
+import time
+import weakref
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +15,22 @@ import httpx
 import numpy as np
 import pytest
 
-from server.client import ClientError, ProblemError, ServerAwayError, TrainbridgeClient
+from server.client import (
+    ClientError,
+    ProblemError,
+    ServerAwayError,
+    TrainbridgeClient,
+    WatchEvent,
+)
+from server.client import client as client_module
 from server.client import watching as client_watching
+from server.routes.schemas import Job
 from server.store import RunReader, attempt_place
 from solver import studies
 from tests.server import odd_batches
 from tests.server.server_case import Client, serving, settings_for, short_study, until
 
+ROOT = Path(__file__).parents[2]
 TOKEN = "correct horse battery staple"
 
 
@@ -188,6 +201,9 @@ def test_watching_goes_on_where_it_broke_off(monkeypatch: pytest.MonkeyPatch) ->
         [
             Breaking(told(0, "job", job("running")), told(7, "progress", step)),
             httpx.Response(503, json={}),
+            # What a proxy says while the server behind it restarts.
+            httpx.Response(502, text="<html>"),
+            httpx.Response(504, text="<html>"),
             httpx.ConnectError("refused"),
             Breaking(": nothing more waits\n\n", told(8, "progress", step), "id: 9\nevent: jo"),
             # It has ended meanwhile: the end comes first, then what was missed, then all is told.
@@ -210,12 +226,80 @@ def test_watching_goes_on_where_it_broke_off(monkeypatch: pytest.MonkeyPatch) ->
 
     with TrainbridgeClient(transport=httpx.MockTransport(server)) as client:
         events = list(client.watch("a"))
-    assert begins == [None, "7", "7", "7", "8"]
+    assert begins == [None, "7", "7", "7", "7", "7", "8"]
     assert [event.number for event in events] == [0, 7, 8, 9, 8]
     assert events[-1].is_end
     assert [event.kind for event in events] == ["job", "progress", "progress", "progress", "job"]
     # Longer and longer, and from the beginning again once something was heard.
-    assert pauses == [0.1, 0.2, 0.4, 0.1]
+    assert pauses == [0.1, 0.2, 0.4, 0.8, 1.6, 0.1]
+
+
+def test_waiting_keeps_no_events(monkeypatch: pytest.MonkeyPatch) -> None:
+    alive: list[weakref.ref[WatchEvent]] = []
+
+    def told_one_by_one(*_: Any, **__: Any) -> Iterator[WatchEvent]:
+        for number in range(100):
+            last = number == 99
+            said = Job.model_validate(job("done")) if last else None
+            event = WatchEvent(number=number, kind="job" if last else "progress", job=said)
+            alive.append(weakref.ref(event))
+            yield event
+            del event
+            # The one that was just told, at most.
+            assert sum(item() is not None for item in alive) <= 1
+
+    monkeypatch.setattr(client_module, "watch", told_one_by_one)
+    assert TrainbridgeClient().wait("a").state == "done"
+
+
+def test_a_proxy_is_not_asked_for_this_machine(
+    quick: TrainbridgeClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("HTTP_PROXY", "http_proxy", "ALL_PROXY"):
+        monkeypatch.setenv(name, "http://127.0.0.1:9")
+    monkeypatch.delenv("NO_PROXY", raising=False)
+    monkeypatch.delenv("no_proxy", raising=False)
+    with TrainbridgeClient(quick.url, TOKEN) as client:
+        assert client.health().status == "ok"
+    elsewhere = TrainbridgeClient("http://trainbridge.invalid")
+    with elsewhere, pytest.raises(ServerAwayError, match="refused"):
+        elsewhere.health()
+
+
+def test_a_time_without_a_zone_is_the_local_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[httpx.URL] = []
+
+    def server(request: httpx.Request) -> httpx.Response:
+        asked.append(request.url)
+        return httpx.Response(200, json={"items": [], "next": None})
+
+    monkeypatch.setenv("TZ", "KST-9")
+    time.tzset()
+    try:
+        with TrainbridgeClient(transport=httpx.MockTransport(server)) as client:
+            list(
+                client.jobs(
+                    created_from=datetime(2026, 1, 2, 3),
+                    created_to=datetime(2026, 1, 3, tzinfo=UTC),
+                )
+            )
+    finally:
+        monkeypatch.undo()
+        time.tzset()
+    sent = [datetime.fromisoformat(asked[0].params[f"created_{end}"]) for end in ("from", "to")]
+    assert sent == [datetime(2026, 1, 1, 18, tzinfo=UTC), datetime(2026, 1, 3, tzinfo=UTC)]
+
+
+def test_the_example_of_the_readme_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    found = re.search(r"<!-- client example -->\s*```python\n(.+?)\n```", text, re.S)
+    assert found
+    with serving(settings_for(tmp_path), compute=odd_batches.finish) as server:
+        address = f"http://127.0.0.1:{server.port}"
+        exec(found.group(1).replace("http://127.0.0.1:8000", address), {})
+    printed = capsys.readouterr().out.splitlines()
+    assert "job" in {line.split()[-1] for line in printed}
+    assert printed[-1] == "done"
 
 
 def test_the_pause_between_attempts_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:

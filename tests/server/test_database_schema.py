@@ -19,7 +19,11 @@ from sqlalchemy import text
 
 from server.store import Database, SchemaVersionError, migrate
 from server.store.models import Table
-from server.store.schema import MIGRATIONS, REVISIONS
+from server.store.schema import (
+    MIGRATIONS,
+    REVISIONS,
+    _shown,  # pyright: ignore[reportPrivateUsage]
+)
 from server.store.sessions import database_url as parsed
 from server.store.sessions import open_engine
 from tests.server.database_case import add, compute
@@ -76,8 +80,8 @@ def test_an_older_database_is_refused_and_the_command_named(database_url: str) -
 
 def test_a_migration_keeps_every_row(database_url: str) -> None:
     write_first_version(database_url)
-    assert migrate(database_url) == ("0001", "0002")
-    assert migrate(database_url) == ("0002", "0002")
+    assert migrate(database_url) == ("0001", "0003")
+    assert migrate(database_url) == ("0003", "0003")
     database = Database(database_url)
     job = database.job("job")
     assert job is not None
@@ -126,7 +130,7 @@ def test_a_migration_that_fails_changes_nothing(
         patch.setattr("server.store.schema._require_references", fail)
         with pytest.raises(OSError, match="full"):
             migrate(database_url)
-    assert migrate(database_url) == ("0001", "0002")
+    assert migrate(database_url) == ("0001", "0003")
 
 
 def test_rows_that_refer_to_nothing_stop_a_migration(tmp_path: Path) -> None:
@@ -200,3 +204,12 @@ def test_a_database_of_today_is_opened_without_alembic(tmp_path: Path) -> None:
         check=True,
     )
     assert answer.stdout.strip() == "[]"
+
+
+def test_a_refusal_tells_no_secret_of_the_databases_address() -> None:
+    url = "postgresql://me:one@host/name?sslpassword=two&application_name=mine"
+    shown = _shown(parsed(url))
+    assert "one" not in shown
+    assert "two" not in shown
+    assert "host/name" in shown
+    assert "mine" in shown

@@ -12,6 +12,7 @@ import signal
 import time
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import psutil
@@ -252,3 +253,23 @@ def test_resume(deployment: Deployment, undisturbed: RunReader) -> None:
     # Asked to end, it stores one more: nothing is computed twice.
     assert third == stored_by(log, 2)[-1] > second
     assert_same_bits(deployment.reader(run.id, 3), undisturbed)
+
+
+def test_a_whole_group_is_asked_to_end(tmp_path: Path, undisturbed: RunReader) -> None:
+    """As systemd and Slurm do: the run stores its checkpoint, and no death is counted."""
+    with deployed(tmp_path, "local") as deployment:
+        client = deployment.client
+        job = client.submit(long_study()).id
+        until(lambda: stored_by(client.log(job), 1), bool, LONG)
+        group = psutil.Process(deployment.server.process.pid).children(recursive=True)
+        for process in group:
+            process.terminate()
+        deployment.server.end()
+        assert surviving(group, 1.0) == []
+        [batch] = deployment.batches(job)
+        assert (batch.state, batch.deaths) == ("queued", 0)
+        deployment.start()
+        run = done(deployment, job)
+        log = deployment.client.log(job)
+        assert numbers(GOES_ON, log)[0] == stored_by(log, 1)[-1]
+        assert_same_bits(deployment.reader(run.id, run.attempt), undisturbed)

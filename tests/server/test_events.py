@@ -230,6 +230,21 @@ def test_a_stream_says_when_all_that_was_missed_is_told(tmp_path: Path) -> None:
     assert [number for number, kind in told if kind == "progress"] == progress
 
 
+@pytest.mark.parametrize("where", ["events", "jobs/{job}/events"])
+def test_a_number_from_before_the_database_was_replaced(tmp_path: Path, where: str) -> None:
+    with serving(settings_for(tmp_path), compute=odd_batches.hang) as client:
+        job = submit(client, short_study())["id"]
+        until(lambda: client.json(f"jobs/{job}")["state"], lambda state: state == "running")
+        stream = events(client, where.format(job=job), **{"Last-Event-ID": "1000000"})
+        first = next(stream)
+        assert 0 < first[0] < 1_000_000
+        client.patch(f"/api/v1/jobs/{job}", json={"priority": 1})
+        client.post(f"/api/v1/jobs/{job}/cancel")
+        # With a number that is yet to come, the end would never be told.
+        said = (data["state"] for _, kind, data in stream if kind == "job")
+        assert "cancelled" in said
+
+
 def test_a_stream_ends_with_the_last_of_its_jobs(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path), compute=odd_batches.hang) as client:
         job = submit(client, short_study())["id"]

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 
 
 @contextmanager
-def server_process(data: Path, *options: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+def server_process(data: Path, *options: str) -> Generator[tuple[subprocess.Popen[str], str]]:
     """``trainbridge serve`` on a free port, and its address."""
     command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
     process = subprocess.Popen([*command, *options], stdout=subprocess.PIPE, text=True, cwd=ROOT)

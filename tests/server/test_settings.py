@@ -8,6 +8,8 @@ from typing import Any
 import pytest
 
 from server.settings import Settings, SettingsError, read_settings
+from server.settings.addresses import without_secrets
+from server.store import Database
 
 TOKEN = "correct horse battery staple"
 
@@ -80,12 +82,26 @@ def test_every_kind_of_value_is_read_from_text(tmp_path: Path) -> None:
 
 def test_database_and_store_lie_in_the_data_folder_unless_said_otherwise(tmp_path: Path) -> None:
     settings = read(tmp_path).settings
-    assert settings.database_url == f"sqlite:///{tmp_path}/trainbridge-data/trainbridge.sqlite"
+    assert settings.database_url == f"{tmp_path}/trainbridge-data/trainbridge.sqlite"
     assert settings.store_url == f"{tmp_path}/trainbridge-data"
     moved = read(
         tmp_path, overrides={"database": "postgresql://me@host/db", "store": "s3://bucket/x"}
     ).settings
     assert (moved.database_url, moved.store_url) == ("postgresql://me@host/db", "s3://bucket/x")
+
+
+def test_a_store_folder_does_not_move_with_the_process(tmp_path: Path) -> None:
+    assert read(tmp_path, {"TRAINBRIDGE_STORE": "runs"}).settings.store_url == f"{tmp_path}/runs"
+    for fixed in ("/runs", "s3://bucket/runs"):
+        assert read(tmp_path, overrides={"store": fixed}).settings.store_url == fixed
+
+
+@pytest.mark.parametrize("name", ["what?", "part#2", "100%41"])
+def test_a_data_folder_may_have_any_name(tmp_path: Path, name: str) -> None:
+    settings = read(tmp_path, overrides={"data": Path(name)}).settings
+    settings.data.mkdir()
+    Database(settings.database_url).close()
+    assert (tmp_path / name / "trainbridge.sqlite").is_file()
 
 
 @pytest.mark.parametrize(
@@ -154,7 +170,7 @@ def test_everything_wrong_is_said_at_once(tmp_path: Path) -> None:
 
 
 def test_what_others_own_in_the_environment_passes(tmp_path: Path) -> None:
-    names = ("NO_SKIP", "SCREENSHOTS", "TOKEN", "SERVER", "CONFIG", "TEST_POSTGRESQL")
+    names = ("NO_SKIP", "SCREENSHOTS", "KILLS", "TOKEN", "SERVER", "CONFIG", "TEST_POSTGRESQL")
     environment = {f"TRAINBRIDGE_{name}": "" for name in names} | {"PATH": "/bin"}
     assert read(tmp_path, environment).settings.token == ""
 
@@ -200,6 +216,19 @@ def test_secrets_are_never_shown(tmp_path: Path) -> None:
     assert "secret" not in str(raised.value)
     settings = read(tmp_path, {"TRAINBRIDGE_TOKEN_FILE": str(file)}).settings
     assert settings.token == TOKEN
+
+
+@pytest.mark.parametrize(
+    "password", ["plain", "sla/sh", "a/b@c/d", "que?ry", "ha#sh", "col:on", "line\nbreak", "p://x"]
+)
+def test_no_part_of_a_password_is_shown(password: str) -> None:
+    assert without_secrets(f"postgresql://me:{password}@host/db") == "postgresql://me:***@host/db"
+    assert without_secrets(f"postgresql://m/e:{password}@host/db").endswith(":***@host/db")
+
+
+@pytest.mark.parametrize("url", ["postgresql://me@host:5432/db", "s3://bucket/a", "tcp://h:8786"])
+def test_an_address_without_secrets_is_shown_whole(url: str) -> None:
+    assert without_secrets(url) == url
 
 
 def test_the_token_comes_from_its_strongest_source(tmp_path: Path) -> None:

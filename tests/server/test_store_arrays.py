@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import shutil
 import threading
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -156,7 +158,8 @@ def test_unknown_things_are_refused(tmp_path: Path) -> None:
 def test_a_reader_beside_the_writer_never_sees_a_torn_step(tmp_path: Path) -> None:
     # The rewriting into long shards happens under the reader's hands as well.
     plan = make_plan(2000, n_point=8)
-    writer = RunWriter(tmp_path / "run", plan)
+    # Shards are as long as the first flush makes them, however slow the machine is.
+    writer = RunWriter(tmp_path / "run", plan, clock=lambda: 0.0)
     failures: list[str] = []
     ended = threading.Event()
 
@@ -198,3 +201,49 @@ def test_live_arrays_give_way_to_long_ones(tmp_path: Path) -> None:
         "DONE",
     }
     assert json.loads((tmp_path / "run" / "commit.json").read_text())["samples"] == 301
+
+
+@pytest.mark.parametrize("sealed", [False, True])
+@pytest.mark.parametrize("leaves", ["nothing", "commit", "all but shards"])
+def test_an_attempt_removed_under_its_reader_is_said_to_be_gone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sealed: bool, leaves: str
+) -> None:
+    """Zarr alone would give NaN for every row."""
+    plan = make_plan(300)
+    writer = RunWriter(tmp_path / "run", plan)
+    for sample in samples_of(plan):
+        writer.append(sample)
+    if sealed:
+        writer.finish({})
+    else:
+        writer.flush()
+    name = "wheel 00 right/contact force"
+    look = RunReader._commit  # pyright: ignore[reportPrivateUsage]
+
+    def remove() -> None:
+        if leaves == "nothing":
+            shutil.rmtree(tmp_path / "run", ignore_errors=True)
+        elif leaves == "commit":
+            for group in ("live.zarr", "result.zarr"):
+                shutil.rmtree(tmp_path / "run" / group, ignore_errors=True)
+        else:
+            for shard in (tmp_path / "run").rglob("c.*"):
+                shard.unlink()
+
+    def removed_after(reader: RunReader) -> Any:
+        commit = look(reader)
+        remove()
+        return commit
+
+    readers = [RunReader(tmp_path / "run") for _ in range(2)]
+    assert np.all(np.isfinite(readers[0].channel(name)))
+    assert np.all(readers[0].frame(3).displacement == 60)
+    with monkeypatch.context() as patch:
+        patch.setattr(RunReader, "_commit", removed_after)
+        for reader in readers:
+            with pytest.raises(NotStoredError):
+                reader.channel(name)
+    with pytest.raises(NotStoredError):
+        readers[0].times()
+    with pytest.raises(NotStoredError):
+        readers[0].frame(3)

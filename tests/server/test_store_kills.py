@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import os
 import random
 import threading
 from pathlib import Path
@@ -20,6 +19,7 @@ from server.store import (
     orphans,
     remove_orphans,
 )
+from tests.server.kills import campaigns
 from tests.server.store_process import (
     CHECKPOINT_STEPS,
     N_STEP,
@@ -28,9 +28,6 @@ from tests.server.store_process import (
     expected_values,
     start_attempt,
 )
-
-CAMPAIGN = int(os.environ.get("TRAINBRIDGE_KILLS", "100"))
-"""Kills of the long campaign."""
 
 
 class Watcher(threading.Thread):
@@ -111,7 +108,7 @@ class Campaign:
         self.resumed += found[1].step > step
 
 
-@pytest.mark.parametrize("kills", [5, pytest.param(CAMPAIGN, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kills", campaigns(5, 100))
 def test_no_kill_tears_what_is_read_or_loses_what_was_checkpointed(
     tmp_path: Path, kills: int
 ) -> None:

@@ -12,6 +12,7 @@ import pytest
 
 from server.store import (
     ModelStore,
+    NotStoredError,
     Place,
     PlaceError,
     RunReader,
@@ -246,3 +247,20 @@ def test_what_no_job_refers_to_is_found_and_removed(place: Place) -> None:
     assert place.child("jobs").names() == ["j1"]
     assert model_place(place, "m1").exists("DONE")
     assert place.names() == ["jobs", "models", "runs", "trainbridge.sqlite"]
+
+
+def test_rows_that_were_removed_are_not_read_as_nan(place: Place) -> None:
+    plan = make_plan(40)
+    writer = RunWriter(place, plan)
+    for sample in samples_of(plan):
+        writer.append(sample)
+    writer.flush()
+    reader = RunReader(place)
+    name = plan.channels[0].name
+    np.testing.assert_array_equal(reader.channel(name), np.arange(41.0))
+    shards = place.child("live.zarr", "channels")
+    for shard in shards.names():
+        if shard.startswith("c."):
+            shards.remove(shard)
+    with pytest.raises(NotStoredError, match="removed"):
+        reader.channel(name)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 
 import httpx
@@ -152,14 +151,13 @@ def test_a_view_too_many_is_refused(address: str) -> None:
         httpx.delete(f"http://{address}/api/v1/viewer/{session}")
 
 
-def test_a_server_with_open_views_stops_within_five_seconds() -> None:
+def test_a_server_with_open_views_stops() -> None:
     app = FastAPI()
     app.include_router(router(lambda _: RUN))
     with served(app) as address:
         opened = httpx.post(f"http://{address}/api/v1/runs/run-1/viewer").json()["session"]
         client = SceneClient(address, opened)
         client.settle()
-        begun = time.monotonic()
-    assert time.monotonic() - begun < 5.0
+    # ``served`` has seen its thread end: an open view does not hold it up.
     with pytest.raises(ConnectionClosed):
         drain(client.connection)
