@@ -111,7 +111,7 @@ def new_coordinator(
         database,
         store,
         settings,
-        open_engine(settings),
+        open_engine(settings, database.installation()),
         lock,
         compute=compute,
         on_change=on_change,

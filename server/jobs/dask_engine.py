@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import logging
 import pickle
 import queue
-import socket
 import time
 from collections import Counter
 from collections.abc import Collection, Sequence
@@ -68,13 +66,16 @@ class DaskEngine:
     was reported, so that a coordinator that starts anew finds it.
     """
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: Settings, installation: str) -> None:
         """Does nothing before ``start``.
 
         Args:
             settings: ``engine`` is dask, slurm, or a scheduler's address.
+            installation: Tells the tasks of one database from those of others on the same
+                scheduler.
         """
         self._settings = settings
+        self._installation = installation
         self._cluster: OwnCluster | None = None
         self._connection: SchedulerConnection | None = None
         self._slots: WorkerSlots | None = None
@@ -101,7 +102,7 @@ class DaskEngine:
             security = scheduler_security(target, self._settings)
         self._connection = SchedulerConnection(
             target,
-            scope=_scope(self._settings),
+            scope=self._installation,
             security=security,
             seconds=self._settings.engine_seconds,
             on_message=lambda message: inbox.put(_Message(key=message["key"], told=message)),
@@ -344,12 +345,6 @@ class DaskEngine:
         if self._cluster is not None:
             self._cluster.close()
             self._cluster = None
-
-
-def _scope(settings: Settings) -> str:
-    """Tells the tasks of one database from those of others on the same scheduler."""
-    whose = settings.database or f"{socket.gethostname()}:{settings.data.resolve()}"
-    return hashlib.sha256(whose.encode()).hexdigest()[:16]
 
 
 @dataclass(frozen=True, kw_only=True)

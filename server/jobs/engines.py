@@ -9,8 +9,12 @@ from server.settings import Settings
 __all__ = ["open_engine"]
 
 
-def open_engine(settings: Settings) -> Engine:
+def open_engine(settings: Settings, installation: str) -> Engine:
     """The engine of ``settings.engine``, not started.
+
+    Args:
+        settings: The settings.
+        installation: Names the database whose batches compute: others may use the same cluster.
 
     Raises:
         EngineError: The settings do not fit together.
@@ -20,4 +24,4 @@ def open_engine(settings: Settings) -> Engine:
     # Imported here: a server that computes by itself need not hold it in memory.
     from server.jobs.dask_engine import DaskEngine
 
-    return DaskEngine(settings)
+    return DaskEngine(settings, installation)

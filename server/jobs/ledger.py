@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Mapping
 from dataclasses import replace
@@ -25,10 +26,13 @@ from server.store import (
     Place,
     RunReader,
     RunRecord,
+    StoreError,
     attempt_place,
 )
 
 __all__ = ["Ledger"]
+
+_log = logging.getLogger("trainbridge.jobs")
 
 _NO_MODEL = "The model that the runs of the sweep share could not be prepared."
 
@@ -110,14 +114,22 @@ class Ledger:
     def _outcome_of(self, attempt: Attempt, run: RunRecord, event: Event, error: str) -> RunOutcome:
         """A run whose results are complete is done, even if nobody lived to say so."""
         if event in BACK_TO_QUEUE or event is Event.FINISH:
-            place = attempt_place(self._store, run.id, attempt.batch.attempt)
-            reader = RunReader(place)
-            if reader.done and reader.summary is not None:
-                verdicts = reader.summary.get("verdicts", [])
+            verdicts = self._stored_verdicts(run.id, attempt.batch.attempt)
+            if verdicts is not None:
                 return RunOutcome(event=Event.FINISH, verdicts=verdicts)
         if event is Event.FINISH:
             event, error = Event.FAIL, "The computation ended without storing a result."
         return RunOutcome(event=event, error=error)
+
+    def _stored_verdicts(self, run: str, attempt: int) -> list[dict[str, Any]] | None:
+        """Of complete results; None where they are not, or where the store does not say so."""
+        reader = RunReader(attempt_place(self._store, run, attempt))
+        try:
+            summary = reader.summary if reader.done else None
+        except StoreError:
+            _log.exception("the results of run %s cannot be looked at", run)
+            return None
+        return None if summary is None else summary.get("verdicts", [])
 
     def _batch_state(
         self, attempt: Attempt, event: Event, runs: Mapping[str, Mapping[str, Any]]

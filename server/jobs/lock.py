@@ -9,10 +9,9 @@ import os
 import sys
 import time
 from pathlib import Path
-from types import TracebackType
 
 from server.settings import Settings
-from server.store import AdvisoryLock, Database, LockHeldError
+from server.store import AdvisoryLock, Database, Holding, LockHeldError
 
 __all__ = ["DatabaseLock", "FolderInUseError", "FolderLock", "queue_lock"]
 
@@ -41,7 +40,7 @@ def queue_lock(settings: Settings, database: Database) -> FolderLock | DatabaseL
     return FolderLock(Path(file).absolute().parent if file else settings.data)
 
 
-class DatabaseLock:
+class DatabaseLock(Holding):
     """Holds a PostgreSQL database until it is released or the connection is lost."""
 
     def __init__(self, database: Database) -> None:
@@ -79,19 +78,8 @@ class DatabaseLock:
         if self._lock is not None:
             self._lock.release()
 
-    def __enter__(self) -> DatabaseLock:
-        return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.release()
-
-
-class FolderLock:
+class FolderLock(Holding):
     """Holds a data folder until it is released or the process ends."""
 
     def __init__(self, folder: Path) -> None:
@@ -124,17 +112,6 @@ class FolderLock:
     def release(self) -> None:
         """Gives the folder free."""
         os.close(self._file)
-
-    def __enter__(self) -> FolderLock:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.release()
 
 
 def _try_lock(file: int) -> bool:

@@ -13,6 +13,7 @@ from server.store.database import (
 )
 from server.store.documents import plain, read_document, write_document
 from server.store.failures import CheckpointError, PlaceError, StoreError, StoreFullError
+from server.store.holding import Holding
 from server.store.layout import attempt_place, job_place, model_place, run_place
 from server.store.model_store import ModelStore
 from server.store.ownership import OWNER, claim_store
@@ -44,6 +45,7 @@ __all__ = [
     "DatabaseUrlError",
     "Decide",
     "EventRecord",
+    "Holding",
     "JobDecision",
     "JobFilter",
     "JobRecord",

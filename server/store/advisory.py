@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from types import TracebackType
 
 from sqlalchemy import Connection, func, select, text
 from sqlalchemy.exc import SQLAlchemyError
 
+from server.store.holding import Holding
 from server.store.sessions import DatabaseUrlError, Sessions
 
 __all__ = ["AdvisoryLock", "LockHeldError"]
@@ -35,7 +35,7 @@ class LockHeldError(Exception):
     """Another coordinator works on the database; the text says where."""
 
 
-class AdvisoryLock:
+class AdvisoryLock(Holding):
     """Held by one connection until it is released, or until the connection or its process ends."""
 
     def __init__(self, database: Sessions) -> None:
@@ -79,17 +79,6 @@ class AdvisoryLock:
                 # A server notices the end of a connection a little later: the next may not wait.
                 connection.execute(select(func.pg_advisory_unlock(COORDINATOR_LOCK)))
             _end(connection)
-
-    def __enter__(self) -> AdvisoryLock:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.release()
 
 
 def _end(connection: Connection) -> None:

@@ -24,6 +24,11 @@ from server.settings import Settings
 ROOT = Path(__file__).parents[2]
 
 
+def engine_of(settings: Settings) -> DaskEngine:
+    """The engine of a coordinator whose database lies in the data folder."""
+    return DaskEngine(settings, str(settings.data))
+
+
 def settings_for(folder: Path, engine: str, **changes: Any) -> Settings:
     """Settings with short intervals."""
     values: dict[str, Any] = {
@@ -175,7 +180,7 @@ class Node:
 
 def coordinate(settings: Settings, *, orders: Sequence[Order]) -> None:
     """A coordinator that begins orders, says so, and is then killed."""
-    engine = DaskEngine(settings)
+    engine = engine_of(settings)
     engine.start()
     for order in orders:
         engine.run(order)

@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import os
-from typing import Any
-
-import pytest
+from typing import TypeVar
 
 __all__ = ["campaigns"]
 
 MOST = int(os.environ.get("TRAINBRIDGE_KILLS", "100"))
 
+Size = TypeVar("Size", int, tuple[int, int])
 
-def campaigns(*sizes: Any) -> list[Any]:
-    """Parameters of a campaign: the first for everyone, the others slow and as far as is wanted.
+
+def campaigns(short: Size, long: Size) -> list[Size]:
+    """Parameters of a campaign: a short one, and the long one where it is wanted.
 
     Args:
-        sizes: A number of kills, or a tuple that ends with one.
+        short: A number of kills, or a tuple that ends with one.
+        long: Likewise.
     """
-    short, *long = sizes
-    kills = [size[-1] if isinstance(size, tuple) else size for size in long]
-    wanted = [size for size, count in zip(long, kills, strict=True) if count <= MOST]
-    slow = [
-        pytest.param(*(size if isinstance(size, tuple) else (size,)), marks=pytest.mark.slow)
-        for size in wanted
-    ]
-    return [short, *slow]
+    kills = long[-1] if isinstance(long, tuple) else long
+    return [short, long] if kills <= MOST else [short]

@@ -201,6 +201,24 @@ def test_an_order_that_cannot_begin_goes_back_into_the_queue(queue: Queue) -> No
     assert queue.state(job.id) == "running"
 
 
+def test_a_store_that_does_not_answer_holds_up_no_end(
+    queue: Queue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    add(queue.database)
+    queue.start()
+    order = queue.begun()
+
+    def refuse(place: Place, name: str) -> bool:
+        raise StoreError("the store does not answer")
+
+    monkeypatch.setattr(type(queue.store), "exists", refuse)
+    queue.engine.end(order.key, Event.LOSE)
+    until(
+        lambda: [item.attempt for item in queue.engine.orders.values()],
+        lambda attempts: attempts == [2],
+    )
+
+
 def test_a_cancel_survives_a_write_that_failed(
     queue: Queue, monkeypatch: pytest.MonkeyPatch
 ) -> None:

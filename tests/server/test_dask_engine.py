@@ -23,6 +23,7 @@ from tests.server.dask_case import (
     Node,
     coordinate,
     ended,
+    engine_of,
     events,
     external_scheduler,
     gone,
@@ -69,13 +70,13 @@ def cluster(
     folder = tmp_path_factory.mktemp(request.param)
     if request.param == "tls":
         with external_scheduler(folder) as (settings, nodes):
-            engine = DaskEngine(settings)
+            engine = engine_of(settings)
             engine.start()
             yield Cluster(settings, engine, nodes)
             engine.stop()
         return
     settings = settings_for(folder, "dask")
-    engine = DaskEngine(settings)
+    engine = engine_of(settings)
     engine.start()
     yield Cluster(settings, engine, [])
     engine.stop()
@@ -203,7 +204,7 @@ def test_restart(cluster: Cluster, tmp_path: Path) -> None:
         until(lambda: gone(process) and gone(worker), 1.0)
         assert cluster.engine.reattach([going, never]) == set()
         return
-    engine = DaskEngine(mine)
+    engine = engine_of(mine)
     engine.start()
     assert engine.reattach([going, never]) == {going.key}
     (tmp_path / "go").touch()
@@ -223,13 +224,13 @@ def test_what_ended_meanwhile_is_reported(cluster: Cluster, tmp_path: Path) -> N
     cluster.mend()
     mine = replace(cluster.settings, data=tmp_path / "data")
     order = order_for(tmp_path, dask_batches.finish_first_then_wait, "meanwhile")
-    first = DaskEngine(mine)
+    first = engine_of(mine)
     first.start()
     first.run(order)
     hear(first, told("finished"))
     first.stop()
     (tmp_path / "go").touch()
-    second, third = DaskEngine(mine), DaskEngine(mine)
+    second, third = engine_of(mine), engine_of(mine)
     for engine in (second, third):
         # The third hears it although the second has: that one never came back to say so.
         engine.start()
@@ -247,12 +248,12 @@ def test_task_that_nobody_asks_for_ends(cluster: Cluster, tmp_path: Path) -> Non
     """What a coordinator does not find in its database does not compute for ever."""
     cluster.mend()
     mine = replace(cluster.settings, data=tmp_path / "data")
-    first = DaskEngine(mine)
+    first = engine_of(mine)
     first.start()
     first.run(order_for(tmp_path, dask_batches.resume, "orphan"))
     process = process_of(hear(first, told("started")))
     first.stop()
-    second = DaskEngine(mine)
+    second = engine_of(mine)
     second.start()
     assert second.reattach([]) == set()
     second.reports(0.0)

@@ -13,7 +13,6 @@ from pathlib import Path
 import pytest
 
 from server.jobs import dask_slots
-from server.jobs.dask_engine import DaskEngine
 from server.jobs.dask_nodes import run_scheduler, run_worker
 from server.jobs.engine import EngineError
 from tests.server import dask_batches
@@ -22,6 +21,7 @@ from tests.server.dask_case import (
     Node,
     certificates,
     ended,
+    engine_of,
     events,
     external_scheduler,
     gone,
@@ -33,6 +33,8 @@ from tests.server.dask_case import (
     until,
 )
 
+pytestmark = pytest.mark.slow
+
 
 def _free_port() -> int:
     with socket.create_server(("127.0.0.1", 0)) as listener:
@@ -41,7 +43,7 @@ def _free_port() -> int:
 
 def test_own_cluster_stops(tmp_path: Path) -> None:
     """Its batches are asked to store checkpoints, and are told as stopped, not as lost."""
-    engine = DaskEngine(settings_for(tmp_path, "dask"))
+    engine = engine_of(settings_for(tmp_path, "dask"))
     engine.start()
     engine.run(order_for(tmp_path, dask_batches.resume))
     process = process_of(hear(engine, told("checkpoint")))
@@ -52,7 +54,7 @@ def test_own_cluster_stops(tmp_path: Path) -> None:
 
 def test_worker_that_is_asked_to_end(tmp_path: Path) -> None:
     with external_scheduler(tmp_path, workers=1) as (settings, nodes):
-        engine = DaskEngine(settings)
+        engine = engine_of(settings)
         engine.start()
         engine.run(order_for(tmp_path, dask_batches.resume))
         process = process_of(hear(engine, told("checkpoint")))
@@ -65,11 +67,10 @@ def test_worker_that_is_asked_to_end(tmp_path: Path) -> None:
         engine.stop()
 
 
-@pytest.mark.slow
 def test_scheduler_that_is_killed(tmp_path: Path) -> None:
     """Every call says so at once; batches stop; workers wait for it to come back."""
     with external_scheduler(tmp_path, workers=1) as (settings, nodes):
-        engine = DaskEngine(settings)
+        engine = engine_of(settings)
         engine.start()
         order = order_for(tmp_path, dask_batches.resume)
         engine.run(order)
@@ -104,7 +105,7 @@ def test_scheduler_that_stays_away(tmp_path: Path) -> None:
     worker = Node(run_worker, settings, scheduler=url, slots=1)
     began = time.monotonic()
     with pytest.raises(EngineError, match=r"does not answer .* Start it"):
-        DaskEngine(settings).start()
+        engine_of(settings).start()
     assert time.monotonic() - began < 3.0
     errors = worker.wait()
     assert worker.process.returncode == 1
@@ -114,7 +115,7 @@ def test_scheduler_that_stays_away(tmp_path: Path) -> None:
 
 def test_unsafe_and_incomplete_settings_are_refused(tmp_path: Path) -> None:
     def start(engine: str, **changes: object) -> None:
-        DaskEngine(settings_for(tmp_path, engine, **changes)).start()
+        engine_of(settings_for(tmp_path, engine, **changes)).start()
 
     with pytest.raises(EngineError, match=r"any code on every worker.*allow_insecure_scheduler"):
         start("tcp://192.0.2.1:8786")
@@ -145,7 +146,7 @@ def test_certificates_of_others_are_refused(tmp_path: Path) -> None:
             settings_for(tmp_path, address.replace("tls", "tcp"), engine_seconds=1.0),
         ):
             with pytest.raises(EngineError, match="does not answer"):
-                DaskEngine(settings).start()
+                engine_of(settings).start()
     finally:
         scheduler.end()
 
@@ -155,17 +156,16 @@ def test_workers_of_another_version_are_refused(
 ) -> None:
     monkeypatch.setattr(dask_slots, "installed_version", lambda: "9.9.9")
     with external_scheduler(tmp_path, workers=1) as (settings, _):
-        engine = DaskEngine(settings)
+        engine = engine_of(settings)
         with pytest.raises(EngineError, match=r"this machine 9\.9\.9\. Install the same version"):
             engine.start()
         engine.stop()
 
 
-@pytest.mark.slow
 def test_worker_that_is_frozen_keeps_nobody_waiting(tmp_path: Path) -> None:
     with external_scheduler(tmp_path, workers=2) as (settings, nodes):
         nodes[1].process.send_signal(signal.SIGSTOP)
-        engine = DaskEngine(replace(settings, engine_seconds=1.0))
+        engine = engine_of(replace(settings, engine_seconds=1.0))
         engine.start()
         assert engine.free_slots() == 1
         engine.run(order_for(tmp_path, dask_batches.finish))
@@ -181,7 +181,7 @@ def test_worker_that_may_not_start_processes_is_refused(tmp_path: Path) -> None:
             command += [f"--tls-{name}", str(tmp_path / f"{name.removesuffix('-file')}.pem")]
         command += ["--nthreads=1", "--nworkers=1", "--no-dashboard", "--host=127.0.0.1"]
         plain = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE)
-        engine = DaskEngine(settings)
+        engine = engine_of(settings)
         try:
             engine.start()
             assert engine.free_slots() == 0

@@ -13,12 +13,12 @@ import dask.config
 import pytest
 
 from server.jobs import slurm
-from server.jobs.dask_engine import DaskEngine
 from server.jobs.engine import EngineError
 from tests.server import dask_batches
 from tests.server.dask_case import (
     ROOT,
     ended,
+    engine_of,
     events,
     gone,
     hear,
@@ -27,6 +27,8 @@ from tests.server.dask_case import (
     told,
     until,
 )
+
+pytestmark = pytest.mark.slow
 
 _COMMANDS = {
     # A job is a session of its own, so that its whole group can be ended; its number is its pid.
@@ -75,12 +77,11 @@ def _numbers(folder: Path) -> list[int]:
     return [int(file.name[4:]) for file in folder.glob("job-*")]
 
 
-@pytest.mark.slow
 def test_jobs_come_and_are_topped_up(jobs: Path, tmp_path: Path) -> None:
     settings = settings_for(
         tmp_path, "slurm", slurm_jobs=2, slurm_partition="bridges", slurm_memory="2GB"
     )
-    engine = DaskEngine(settings)
+    engine = engine_of(settings)
     with dask.config.set({"jobqueue.slurm.scheduler-options": {"host": "127.0.0.1"}}):
         engine.start()
     try:
@@ -112,4 +113,4 @@ def test_jobs_come_and_are_topped_up(jobs: Path, tmp_path: Path) -> None:
 def test_without_slurm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(EngineError, match="squeue is not here"):
-        DaskEngine(settings_for(tmp_path, "slurm")).start()
+        engine_of(settings_for(tmp_path, "slurm")).start()

@@ -169,6 +169,7 @@ def test_cancel(deployment: Deployment) -> None:
     assert (run.state, run.attempt) == ("cancelled", 1)
 
 
+@_SLOW
 def test_kill_worker(deployment: Deployment, undisturbed: RunReader) -> None:
     """Its batch goes to another worker and was not to blame; one that dies by itself was."""
     job = deployment.client.submit(long_study()).id
@@ -186,6 +187,7 @@ def test_kill_worker(deployment: Deployment, undisturbed: RunReader) -> None:
     assert_same_bits(deployment.reader(run.id, run.attempt), undisturbed)
 
 
+@_SLOW
 def test_restart(deployment: Deployment, undisturbed: RunReader) -> None:
     """What computes with the server ends with it; an external worker goes on without it."""
     client, goes_on = deployment.client, deployment.engine == "tls"
@@ -212,6 +214,7 @@ def test_restart(deployment: Deployment, undisturbed: RunReader) -> None:
     assert deployment.reader(kept.id, 1).done
 
 
+@_SLOW
 @pytest.mark.parametrize(("study", "prepares"), [(short_study, 0), (deck_sweep, 1)])
 def test_gather(deployment: Deployment, study: Any, prepares: int) -> None:
     asked = study()
@@ -235,6 +238,7 @@ def test_gather(deployment: Deployment, study: Any, prepares: int) -> None:
     assert worst == dict(sorted(values.items(), key=lambda item: item[1])[-1:])
 
 
+@_SLOW
 def test_resume(deployment: Deployment, undisturbed: RunReader) -> None:
     """Killed, then asked to end: no step before the last checkpoint is taken again."""
     client = deployment.client
@@ -255,6 +259,7 @@ def test_resume(deployment: Deployment, undisturbed: RunReader) -> None:
     assert_same_bits(deployment.reader(run.id, 3), undisturbed)
 
 
+@_SLOW
 def test_a_whole_group_is_asked_to_end(tmp_path: Path, undisturbed: RunReader) -> None:
     """As systemd and Slurm do: the run stores its checkpoint, and no death is counted."""
     with deployed(tmp_path, "local") as deployment:

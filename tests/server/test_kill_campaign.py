@@ -35,6 +35,8 @@ from tests.server.deployments import (
 from tests.server.kills import campaigns
 from tests.server.server_case import ENDED, beam_study, until
 
+pytestmark = pytest.mark.slow
+
 SEED = 4
 EVERY_STEP = "1e-9"
 """Interval between checkpoints: due after each step, so that rework can be counted in steps. [s]"""
@@ -248,7 +250,6 @@ def test_a_study_survives_kills(tmp_path: Path, runs: int, kills: int) -> None:
     assert any(item.resumed > 0 for item in found)
 
 
-@pytest.mark.slow
 def test_a_study_survives_kills_on_dask(tmp_path: Path) -> None:
     targets = ("server", "coordinator", "worker", "child")
     run_campaign(tmp_path, "dask", sweep(16), targets, 6)

@@ -29,6 +29,8 @@ from tests.server.server_case import (
     until,
 )
 
+pytestmark = pytest.mark.slow
+
 BUSY_SECONDS = 0.2
 """Longest wait for the right to write, instead of ten seconds. [s]"""
 

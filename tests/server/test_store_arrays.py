@@ -155,6 +155,7 @@ def test_unknown_things_are_refused(tmp_path: Path) -> None:
         reader.frame(0)
 
 
+@pytest.mark.slow
 def test_a_reader_beside_the_writer_never_sees_a_torn_step(tmp_path: Path) -> None:
     # The rewriting into long shards happens under the reader's hands as well.
     plan = make_plan(2000, n_point=8)

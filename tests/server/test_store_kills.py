@@ -29,6 +29,8 @@ from tests.server.store_process import (
     start_attempt,
 )
 
+pytestmark = pytest.mark.slow
+
 
 class Watcher(threading.Thread):
     """Reads the newest attempt over and over and checks every committed row."""
