@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -56,3 +58,24 @@ def open_database() -> Iterator[Callable[..., Database]]:
             return database
 
         yield open_it
+
+
+@pytest.fixture
+def swept() -> Iterator[None]:
+    """Collects at once what the test leaves of Dask, whose client forgets to close the socket with
+    which it was just reaching for a scheduler that is gone. Later it would be another test's."""
+    yield
+    _sweep()
+
+
+@pytest.fixture(scope="module")
+def swept_module() -> Iterator[None]:
+    """The same after the fixtures of a module."""
+    yield
+    _sweep()
+
+
+def _sweep() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)
+        gc.collect()

@@ -36,6 +36,11 @@ from tests.server.dask_case import (
     worker_of,
 )
 
+pytestmark = [
+    pytest.mark.usefixtures("swept", "swept_module"),
+    pytest.mark.filterwarnings("ignore:unclosed <socket:ResourceWarning"),
+]
+
 
 @dataclass
 class Cluster:

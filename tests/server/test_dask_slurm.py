@@ -28,7 +28,11 @@ from tests.server.dask_case import (
     until,
 )
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.usefixtures("swept", "swept_module"),
+    pytest.mark.filterwarnings("ignore:unclosed <socket:ResourceWarning"),
+]
 
 _COMMANDS = {
     # A job is a session of its own, so that its whole group can be ended; its number is its pid.
