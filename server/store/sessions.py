@@ -11,6 +11,7 @@ saw misses none. Nobody waits for ever: after ``busy_seconds`` SQLAlchemy's ``Op
 
 from __future__ import annotations
 
+import sqlite3
 import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
@@ -29,6 +30,8 @@ WRITER_LOCK = 0x7472_6169_6E01
 """Number of PostgreSQL's advisory lock for the right to write ("train", 1)."""
 _CONNECT_SECONDS = 5
 """Longest wait for PostgreSQL to answer a new connection. [s]"""
+_LOOK_SECONDS = 0.005
+"""Time between two looks at a file that another one changes. [s]"""
 _IDLE_SECONDS = 30
 """After this a transaction whose client went silent is ended, and its locks with it. [s]"""
 _MOST = 40
@@ -132,8 +135,9 @@ def _open_sqlite(url: URL, busy_seconds: float, foreign_keys: bool) -> Engine:
         # The driver's own transactions begin late and cannot be made to write at once: we begin.
         connection.isolation_level = None
         cursor = connection.cursor()
+        _use_write_ahead_log(cursor, busy_seconds)
         checked = "ON" if foreign_keys else "OFF"
-        for pragma in ("journal_mode=WAL", "synchronous=FULL", f"foreign_keys={checked}"):
+        for pragma in ("synchronous=FULL", f"foreign_keys={checked}"):
             cursor.execute(f"PRAGMA {pragma}")
         cursor.close()
 
@@ -144,6 +148,20 @@ def _open_sqlite(url: URL, busy_seconds: float, foreign_keys: bool) -> Engine:
         connection.exec_driver_sql("BEGIN IMMEDIATE" if immediate else "BEGIN")
 
     return engine
+
+
+def _use_write_ahead_log(cursor: Any, busy_seconds: float) -> None:
+    """Of several that open a new file together SQLite lets one change it, and turns the others away
+    without the wait that it grants otherwise: they look again."""
+    limit = time.monotonic() + busy_seconds
+    while True:
+        try:
+            cursor.execute("PRAGMA journal_mode=WAL")
+            return
+        except sqlite3.OperationalError as error:
+            if "locked" not in str(error) or time.monotonic() >= limit:
+                raise
+            time.sleep(_LOOK_SECONDS)
 
 
 def _open_postgresql(url: URL, busy_seconds: float) -> Engine:

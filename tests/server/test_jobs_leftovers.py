@@ -115,7 +115,7 @@ def test_the_model_goes_with_the_last_job_that_needs_it(tmp_path: Path) -> None:
             models.save("factor", {"values": np.arange(3)})
             models.finish()
         ledger = Ledger(database, store, 3)
-        requested = Requested(database, store, ledger, open_engine(settings), {})
+        requested = Requested(database, store, ledger, open_engine(settings, ""), {})
         left: list[list[str]] = []
         for job in jobs[:2]:
             database.request_delete(job)
