@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -20,6 +21,7 @@ from server.store import (
     JobView,
     LockHeldError,
     NewEvent,
+    sessions,
 )
 from server.store.sessions import take_right_to_write
 from tests.server.database_case import add, end, new_job, start
@@ -186,6 +188,23 @@ def test_many_that_open_a_new_database_at_once(
         assert len(opened) == 6
         add(opened[0])
         assert len(opened[-1].jobs()) == 1
+
+
+def test_who_is_turned_away_from_a_new_file_looks_again() -> None:
+    """SQLite does so in the moment in which another connection begins the write-ahead log."""
+
+    class Cursor:
+        refusals = 3
+
+        def execute(self, statement: str) -> None:
+            assert statement == "PRAGMA journal_mode=WAL"
+            self.refusals -= 1
+            if self.refusals >= 0:
+                raise sqlite3.OperationalError("database is locked")
+
+    sessions._use_write_ahead_log(Cursor(), 5.0)
+    with pytest.raises(sqlite3.OperationalError, match="locked"):
+        sessions._use_write_ahead_log(Cursor(), 0.0)
 
 
 def test_after_lost_connections_the_next_call_works(
