@@ -183,11 +183,6 @@ class CoordinatorProcess:
         """Whether the keeper keeps: the process itself may be about to start again."""
         return self._thread.is_alive()
 
-    @property
-    def pid(self) -> int:
-        """Number of the process, 0 while there is none."""
-        return 0 if self._process is None else self._process.pid or 0
-
     def start(self) -> None:
         """Starts the process and its keeper."""
         self._thread.start()

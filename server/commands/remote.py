@@ -19,6 +19,7 @@ from server.commands.console import (
     read_file,
     wide_console,
 )
+from server.jobs.states import State
 
 if TYPE_CHECKING:
     from server.client import TrainbridgeClient
@@ -38,18 +39,6 @@ class Kind(StrEnum):
 
     CROSSING = "crossing"
     MODES = "modes"
-
-
-class State(StrEnum):
-    """State of a job."""
-
-    QUEUED = "queued"
-    RUNNING = "running"
-    DONE = "done"
-    FAILED = "failed"
-    CANCELLED = "cancelled"
-    TIMED_OUT = "timed_out"
-    OUT_OF_MEMORY = "out_of_memory"
 
 
 def submit(

@@ -112,10 +112,6 @@ class Coordinator:
         self._engine.wake()
         self._thread.join()
 
-    def join(self) -> None:
-        """Waits until the coordinator has stopped by itself."""
-        self._thread.join()
-
     @property
     def alive(self) -> bool:
         """Whether the queue works."""

@@ -164,7 +164,8 @@ def test_a_number_is_given_only_after_the_smaller_ones_are_committed(
 def test_many_that_open_a_new_database_at_once(
     tmp_path: Path, database_url: str, open_database: Open
 ) -> None:
-    # Again and again for SQLite: it turned one of six away in every fifth file.
+    # Again and again for SQLite: in a loop it turned one of six away in every fifth file, but not
+    # every time; the next test is about what follows.
     urls = [database_url]
     if "://" not in database_url:
         urls += [str(tmp_path / f"{number}.sqlite") for number in range(15)]
