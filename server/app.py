@@ -27,12 +27,18 @@ from server.jobs.coordinator import Coordinator
 from server.jobs.lock import queue_lock
 from server.jobs.orders import Compute
 from server.routes import (
+    compare,
+    compare_plots,
     events,
+    job_plots,
     jobs,
+    library,
     login,
+    machine,
     meta,
     pages,
     plots,
+    reports,
     requests,
     runs,
     studies,
@@ -97,14 +103,35 @@ def create_app(settings: Settings, *, compute: Compute = compute_order) -> FastA
     app.state.changes = Changes()
     install_errors(app)
     install_outages(app)
-    for module in (meta, templates, studies, jobs, requests, events, runs, plots, login, pages):
+    for module in (
+        meta,
+        machine,
+        templates,
+        studies,
+        jobs,
+        requests,
+        events,
+        runs,
+        plots,
+        job_plots,
+        compare,
+        compare_plots,
+        reports,
+        library,
+        login,
+        pages,
+    ):
         app.include_router(module.router)
 
     def open_reader(run: str) -> RunReader:
         service: Service = app.state.service
         return service.open_reader(run)
 
-    app.include_router(viewer.router(open_reader))
+    async def draw(still: viewer.Still) -> bytes:
+        service: Service = app.state.service
+        return await service.drawing.work(viewer.draw_still, still)
+
+    app.include_router(viewer.router(open_reader, draw=draw))
     app.mount("/static", pages.static_files(), name="static")
     describe_studies(app)
     return app

@@ -19,6 +19,7 @@ __all__ = [
     "Layer",
     "RunPlan",
     "Sample",
+    "SlabPeaks",
     "SlabPoints",
     "WheelGeometry",
 ]
@@ -134,6 +135,24 @@ class SlabPoints:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SlabPeaks:
+    """Greatest magnitude of the acceleration of every slab point since the window opened.
+
+    Attributes:
+        raw: As computed, shape (n_point,). [m/s2]
+        raw_time: When, shape (n_point,). [s]
+        filtered: After the verdict's low-pass filter, shape (n_point,); None where nothing is
+            judged. [m/s2]
+        filtered_time: When, shape (n_point,), or None. [s]
+    """
+
+    raw: Vector
+    raw_time: Vector
+    filtered: Vector | None = None
+    filtered_time: Vector | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class RunPlan:
     """Everything about a run that is known before its first step.
 
@@ -148,6 +167,9 @@ class RunPlan:
         geometry: What is drawn.
         frame_stride: A frame is stored every so many steps.
         facts: Plain values that belong in the summary: unknowns, mesh level, assumptions...
+        modal: No history: sample and frame k hold the shape of mode k (counted from 0), whose
+            greatest displacement is 1; the time of a sample is k, and nothing moves along.
+        frame_motion: Whether frames hold velocity and acceleration too.
     """
 
     n_step: int
@@ -160,6 +182,8 @@ class RunPlan:
     geometry: Geometry
     frame_stride: int
     facts: dict[str, object] = field(default_factory=dict[str, object])
+    modal: bool = False
+    frame_motion: bool = False
 
     @property
     def n_sample(self) -> int:
@@ -179,10 +203,16 @@ class Frame:
     Attributes:
         displacement: Of every displayed vertex, shape (n_vertex, 3). [m]
         bodies: Bounce, roll, pitch of every body, shape (n_body, 3). [m, rad, rad]
+        velocity: Upward velocity of every displayed vertex, shape (n_vertex,); None in a modal run,
+            and in runs stored before there was one. [m/s]
+        acceleration: Its upward acceleration, likewise, as the integrator has it at this step (of
+            second order at the time plus alpha dt). [m/s2]
     """
 
     displacement: FloatArray
     bodies: FloatArray
+    velocity: FloatArray | None = None
+    acceleration: FloatArray | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.arrays import Arrays, SparseMatrix, Vector, attributes_of, below, put_back, under
+from solver.arrays import (
+    Arrays,
+    FloatArray,
+    SparseMatrix,
+    Vector,
+    attributes_of,
+    below,
+    put_back,
+    under,
+)
 from solver.errors import InputError, UnstableError
 from solver.factorisation import Condense
 from solver.integrators import HHT, HHTIntegrator, Motion
@@ -124,6 +133,7 @@ class Simulation:
         self.plan = plan
         self.method = method
         self._observation = observation
+        self._heights = observation.surface[2::3]
         self.static = static_state(system) if static is None else static
         if system.unilateral:
             _refuse_tension(plan, self.static.contact_forces)
@@ -260,12 +270,22 @@ class Simulation:
 
     def _frame(self) -> Frame:
         observation, motions = self._observation, self.integrator.motions
-        deck = motions[observation.deck_part].displacement.ravel()
-        surface = np.asarray(observation.surface @ deck).reshape(-1, 3)
+        deck, lines = motions[observation.deck_part], motions[LINES]
+        surface = np.asarray(observation.surface @ deck.displacement.ravel()).reshape(-1, 3)
         rails = np.zeros((observation.rails.shape[0], 3))
-        rails[:, 2] = observation.rails @ motions[LINES].displacement.ravel()
+        rails[:, 2] = observation.rails @ lines.displacement.ravel()
         bodies = np.asarray(observation.bodies @ motions[TRAIN].displacement).reshape(-1, 3)
-        return Frame(displacement=np.concatenate([surface, rails]), bodies=bodies)
+        return Frame(
+            displacement=np.concatenate([surface, rails]),
+            bodies=bodies,
+            velocity=self._upward(deck.velocity, lines.velocity),
+            acceleration=self._upward(deck.acceleration, lines.acceleration),
+        )
+
+    def _upward(self, deck: FloatArray, lines: FloatArray) -> Vector:
+        """Vertical motion of every vertex, the structure's and then the rails'."""
+        surface, rails = self._heights @ deck.ravel(), self._observation.rails @ lines.ravel()
+        return np.concatenate([surface, rails])
 
 
 def _require_same_study(own: Arrays, given: Mapping[str, NDArray[Any]]) -> None:

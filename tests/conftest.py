@@ -11,6 +11,15 @@ for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 import pytest  # noqa: E402 (the environment comes first)
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Stored answers of the API change only where that is asked for."""
+    parser.addoption(
+        "--update-snapshots",
+        action="store_true",
+        help="write tests/js/snapshots anew where an answer of the API changed",
+    )
+
+
 def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
     """Fails the session when a test was skipped and ``TRAINBRIDGE_NO_SKIP`` is set (CI)."""
     reporter = session.config.pluginmanager.get_plugin("terminalreporter")

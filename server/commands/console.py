@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Generator, Iterable
 from contextlib import contextmanager
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, Protocol
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ERRORS",
+    "Kind",
     "client_of",
     "fail",
     "print_findings",
@@ -31,6 +33,13 @@ __all__ = [
 ERRORS = Console(stderr=True)
 UNUSABLE = 2
 """Exit status where what was given cannot be used; 1 for every other failure."""
+
+
+class Kind(StrEnum):
+    """What is computed of a study."""
+
+    CROSSING = "crossing"
+    MODES = "modes"
 
 
 class _Finding(Protocol):

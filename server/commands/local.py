@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from server.commands.console import fail, print_findings, progress_bar, read_file
+from server.commands.console import Kind, fail, print_findings, progress_bar, read_file
 
 __all__ = ["run", "templates"]
 
@@ -23,7 +24,8 @@ def templates(
     found = studies.templates()
     if name is None:
         for template in found.values():
-            typer.echo(f"{template.name:24} {template.title}")
+            kind = "" if template.kind == "crossing" else f"  (--kind {template.kind})"
+            typer.echo(f"{template.name:24} {template.title}{kind}")
     elif name in found:
         typer.echo(json.dumps(studies.to_json(found[name].study), indent=2, ensure_ascii=False))
     else:
@@ -33,6 +35,7 @@ def templates(
 def run(
     study: Annotated[Path, typer.Argument(help="Study as JSON; - reads the standard input.")],
     out: Annotated[Path, typer.Option(help="Folder for the results, new or empty.")],
+    kind: Annotated[Kind, typer.Option(help="What to compute.")] = Kind.CROSSING,
 ) -> None:
     """Compute a study here, without any server."""
     from server.errors import Problem
@@ -44,36 +47,57 @@ def run(
         loaded = read_study(read_json(read_file(study)))
         folder = _new_folder(out)
         limits = Limits()
-        submission = Submission(kind="crossing", study=loaded, path=())
+        submission = Submission(kind=kind.value, study=loaded, path=())
         admit(submission, limits, Capacity.now(limits, folder))
     except Problem as problem:
         print_findings(problem.title, problem.errors)
-    _compute(loaded, folder)
+    if kind is Kind.MODES:
+        _find_modes(loaded, folder)
+    else:
+        _compute(loaded, folder)
 
 
 def _compute(study: Any, folder: Path) -> None:
     from server.jobs.worker import run_study
-    from server.store import StoreError
     from solver import studies
-    from solver.errors import SolverError
 
     parameters = studies.runs_of(study)
     for index, point in enumerate(parameters):
         target = folder if len(parameters) == 1 else folder / f"run-{index:03d}"
-        with progress_bar() as bar:
-            task = bar.add_task("starting", total=1.0, left="")
-
-            def report(state: Mapping[str, Any], bar: Any = bar, task: Any = task) -> None:
-                left = f"{state['remaining'][1]:.0f} s left" if state["remaining"] else ""
-                bar.update(task, completed=state["fraction"], description=state["stage"], left=left)
-
-            try:
-                summary = run_study(study, index, target, report)
-            except (SolverError, StoreError, MemoryError) as error:
-                fail(f"The run failed: {error}")
-            bar.update(task, completed=1.0, description="done", left="")
+        summary = _shown(partial(run_study, study, index, target))
         _print_verdicts(summary, point)
         typer.echo(f"Results: {target / 'summary.json'}")
+
+
+def _find_modes(study: Any, folder: Path) -> None:
+    from server.jobs.worker import run_modes
+
+    summary = _shown(partial(run_modes, study, folder))
+    typer.echo("  mode  frequency [Hz]  damping [%]  shape")
+    for mode in summary["modes"]:
+        numbers = f"{mode['number']:6d}  {mode['frequency']:14.4g}  {100 * mode['damping']:11.3g}"
+        typer.echo(f"{numbers}  {mode['name']}".rstrip())
+    typer.echo(f"Results: {folder / 'summary.json'}")
+
+
+def _shown(work: Callable[[Callable[[Mapping[str, Any]], None]], Mapping[str, Any]]) -> Any:
+    """Does some work while a bar shows how far it is; it is given what takes its progress."""
+    from server.store import StoreError
+    from solver.errors import SolverError
+
+    with progress_bar() as bar:
+        task = bar.add_task("starting", total=1.0, left="")
+
+        def report(state: Mapping[str, Any]) -> None:
+            left = f"{state['remaining'][1]:.0f} s left" if state["remaining"] else ""
+            bar.update(task, completed=state["fraction"], description=state["stage"], left=left)
+
+        try:
+            result = work(report)
+        except (SolverError, StoreError, MemoryError) as error:
+            fail(f"The run failed: {error}")
+        bar.update(task, completed=1.0, description="done", left="")
+    return result
 
 
 def _print_verdicts(summary: Mapping[str, Any], point: Mapping[str, float]) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from enum import StrEnum
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
@@ -13,6 +12,7 @@ import typer
 from server.commands.console import (
     ERRORS,
     UNUSABLE,
+    Kind,
     client_of,
     fail,
     progress_bar,
@@ -32,13 +32,6 @@ Server = Annotated[
     typer.Option(help="Address of the server; TRAINBRIDGE_SERVER, or http://127.0.0.1:8000."),
 ]
 JobId = Annotated[str, typer.Argument(help="The job's id, as `trainbridge jobs` lists it.")]
-
-
-class Kind(StrEnum):
-    """What a job computes."""
-
-    CROSSING = "crossing"
-    MODES = "modes"
 
 
 def submit(

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 import psutil
 from pydantic import TypeAdapter, ValidationError
@@ -19,7 +19,7 @@ from server.jobs.variants import errors_of_chosen_kinds, kinds_of
 from server.settings import LARGEST_PRIORITY, Limits
 from solver import studies
 from solver.errors import InputError
-from solver.studies import Study
+from solver.studies import JobKind, Study
 
 __all__ = [
     "KINDS",
@@ -33,7 +33,7 @@ __all__ = [
     "stored_study",
 ]
 
-KINDS = ("crossing", "modes")
+KINDS: tuple[JobKind, ...] = get_args(JobKind)
 """What a job can compute."""
 
 
@@ -48,7 +48,7 @@ class Submission:
         priority: Greater ones begin first.
     """
 
-    kind: str
+    kind: JobKind
     study: Study
     path: tuple[str, ...] = ("study",)
     priority: int = 0
@@ -159,7 +159,7 @@ def admit(submission: Submission, limits: Limits, capacity: Capacity) -> Any:
     Raises:
         Problem: 422 with everything that is wrong.
     """
-    report = studies.check(submission.study)
+    report = studies.check(submission.study, submission.kind)
     findings = [*_report_findings(report.errors, submission.path)]
     findings += limit_findings(report, limits, capacity, submission.path)
     if findings:

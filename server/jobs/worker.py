@@ -33,7 +33,6 @@ from server.store import (
     open_place,
     plain,
     run_place,
-    write_summary,
 )
 from solver import studies
 from solver.arrays import Cache, IntVector, Matrix
@@ -44,6 +43,8 @@ __all__ = ["run_modes", "run_order", "run_study"]
 
 _BLOCK_BYTES = 12 * 1024 * 1024
 """Memory of one block of slab histories; the filter takes about eight times as much. [B]"""
+_DIGITS = 16
+"""Of the digest of the solver's source: enough to tell two versions apart."""
 _POINTS_PER_CHUNK = 64
 """Slab points that the store keeps together."""
 
@@ -122,7 +123,8 @@ def run_study(
 
     Returns:
         The stored summary: ``verdicts``, ``unjudged`` (why there is none), ``peaks`` (of the
-        channels), ``filtered`` (names), ``cut_off``, ``facts``, ``timings``, ``versions``.
+        channels), ``filtered`` (names), ``cut_off``, ``comfort`` (of articulated trains),
+        ``facts``, ``timings``, ``versions``.
 
     Raises:
         SolverError: The study cannot be computed.
@@ -210,6 +212,7 @@ def _judge(
         study, plan, outcome.extremes, _slab_blocks(reader), reader.slab_point
     )
     writer.add_filtered({_filtered(name): v for name, v in assessment.filtered.items()})
+    writer.add_slab_peaks(assessment.slab_peaks)
     clock.lap("assessment")
     summary = _summary(
         facts=outcome.facts,
@@ -219,6 +222,7 @@ def _judge(
         cut_off=assessment.cut_off,
         peaks=assessment.peaks,
         filtered=[{"name": name, "channel": _filtered(name)} for name in assessment.filtered],
+        **({} if assessment.comfort is None else {"comfort": assessment.comfort}),
     )
     writer.finish(summary)
     return summary
@@ -244,22 +248,33 @@ class _Clock:
 
 
 def run_modes(study: Any, place: Place | Path, report: Report) -> dict[str, Any]:
-    """Computes the frequencies and shapes of a study's structure and stores them.
+    """Computes the frequencies and shapes of a part of a study and stores them.
+
+    Args:
+        study: The study; its ``modes`` say of which part, and how many.
+        place: Where the results go; it is emptied first.
+        report: Takes progress.
 
     Returns:
-        The stored summary: ``modes``, ``timings``, ``versions``.
+        The stored summary: ``modes``, ``facts``, ``timings``, ``versions``.
 
     Raises:
-        SolverError: The structure cannot be computed.
+        SolverError: The part cannot be computed.
     """
     meter = ProgressMeter(report, steps=1)
     clock = _Clock()
-    analysis = studies.modal_analysis(study, meter.stage)
-    meter.complete()
+    run = studies.modal_run(study, meter.stage)
     clock.lap("steps")
+    meter.stage("storing the shapes")
+    writer = RunWriter(place, run.plan)
+    for sample in run.samples():
+        writer.append(sample)
+    writer.seal()
+    clock.lap("storage")
+    meter.complete()
     timings = {"total": clock.timings(1)["total"]}
-    summary = _summary(timings=timings, verdicts=(), peaks={}, **analysis)
-    write_summary(place, summary)
+    summary = _summary(timings=timings, verdicts=(), peaks={}, **run.summary)
+    writer.finish(summary)
     return summary
 
 
@@ -292,7 +307,11 @@ def _peak_memory() -> int:
 
 
 def _versions() -> dict[str, str]:
-    found = {"python": platform.python_version(), "machine": platform.machine()}
+    found = {
+        "python": platform.python_version(),
+        "machine": platform.machine(),
+        "solver source": studies.source_digest()[:_DIGITS],
+    }
     for name in ("trainbridge", "numpy", "scipy", "zarr", "pypardiso", "mkl"):
         try:
             found[name] = version(name)

@@ -4,25 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from server.plots.curves import Curve, channel_named, raw_curve
-from server.plots.figure import (
-    Figure,
-    compose,
-    horizontal_line,
-    horizontal_note,
-    table_row,
-    trace,
-)
-from server.plots.palette import CURVES, LIMIT, MUTED
+from server.plots.figure import Figure, compose, table_row, trace
+from server.plots.kind import FigureKind
+from server.plots.marks import horizontal_line, horizontal_note
+from server.plots.palette import LIMIT, MUTED, line_style
 from server.plots.request import FigureRequest
 from server.plots.source import RunSource
 from server.plots.text import quantity, sentence
 from solver.results import ChannelSpec
 
-__all__ = ["contact_force"]
+__all__ = ["KIND", "contact_force"]
 
 QUANTITY = "/contact force"
 NEAR_LOSS = 0.5
@@ -52,7 +48,8 @@ def contact_force(run: RunSource, request: FigureRequest) -> Figure:
         curves = _joined(curves)
     shapes, notes = [horizontal_line(0.0, LIMIT, "solid")], []
     if curves:
-        notes.append(horizontal_note(0.0, "0: contact lost", LIMIT))
+        note = horizontal_note(0.0, "0: contact lost", LIMIT)
+        notes.append({**note, "yanchor": "top"})
     static = _static_load(run, chosen)
     if static is not None and curves:
         shapes.append(horizontal_line(static, MUTED))
@@ -62,10 +59,7 @@ def contact_force(run: RunSource, request: FigureRequest) -> Figure:
         plan=run.plan,
         title="Contact force between wheel and rail",
         value_title="contact force [kN]",
-        traces=[
-            trace(curve, request, CURVES[number % len(CURVES)], 1.3)
-            for number, curve in enumerate(curves)
-        ],
+        traces=[*_curves(curves, request), *_losses(curves, request)],
         table=[{**table_row(curve), "contact_lost": time_lost(curve)} for curve in curves],
         summary=_summary(run, curves),
         shapes=shapes,
@@ -81,6 +75,38 @@ def time_lost(curve: Curve) -> float:
         return 0.0
     step = float(curve.time[1] - curve.time[0])
     return int(np.count_nonzero(curve.values <= 0.0)) * step
+
+
+def _curves(curves: Sequence[Curve], request: FigureRequest) -> list[dict[str, Any]]:
+    styles = [line_style(number) for number in range(len(curves))]
+    return [
+        trace(curve, request, style.color, 1.3, dash=style.dash)
+        for curve, style in zip(curves, styles, strict=True)
+    ]
+
+
+def _losses(curves: Sequence[Curve], request: FigureRequest) -> list[dict[str, Any]]:
+    """A mark at the beginning of every loss of contact, as far as they can be told apart."""
+    times: list[float] = []
+    for curve in curves:
+        off = curve.values <= 0.0
+        begins = np.flatnonzero(off & ~np.concatenate([[False], off[:-1]]))
+        times += curve.time[begins].tolist()
+    if not times:
+        return []
+    chosen = sorted(set(times))[:: -(-len(times) // request.points)]
+    return [
+        {
+            "type": "scatter",
+            "mode": "markers",
+            "name": "contact lost",
+            "x": [round(time, 9) for time in chosen],
+            "y": [0.0] * len(chosen),
+            "marker": {"symbol": "triangle-down", "size": 9, "color": LIMIT},
+            "hovertemplate": "contact lost at %{x:.4f} s",
+            "meta": {"unit": "kN"},
+        }
+    ]
 
 
 def _chosen(run: RunSource, request: FigureRequest) -> Sequence[ChannelSpec]:
@@ -142,3 +168,17 @@ def _summary(run: RunSource, curves: Sequence[Curve]) -> str:
             )
         )
     return " ".join(sentences) or "No wheel is recorded."
+
+
+def _has(run: RunSource) -> bool:
+    return not run.plan.modal and bool(_chosen(run, FigureRequest()))
+
+
+KIND = FigureKind(
+    name="contact-force",
+    title="Contact force between wheel and rail",
+    group="wheel",
+    axis="time",
+    draw=contact_force,
+    has=_has,
+)

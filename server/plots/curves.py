@@ -14,7 +14,17 @@ from solver.errors import InputError
 from solver.results import ChannelSpec
 from solver.units import Unit
 
-__all__ = ["Curve", "Extreme", "channel_named", "filtered_curve", "raw_curve"]
+__all__ = [
+    "Curve",
+    "Extreme",
+    "channel_named",
+    "filtered_curve",
+    "filtered_history",
+    "frame_curve",
+    "frames_in",
+    "point_curve",
+    "raw_curve",
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,8 +114,53 @@ def filtered_curve(
     run: RunSource, spec: ChannelSpec, stored: str, request: FigureRequest, name: str
 ) -> Curve:
     """A low-pass filtered history of a finished run, stored beside the channel."""
+    return filtered_history(run, spec, run.filtered(stored), request, name)
+
+
+def point_curve(
+    run: RunSource, spec: ChannelSpec, index: int, request: FigureRequest, name: str
+) -> Curve:
+    """The acceleration of one of the slab's points, as computed."""
     start, stop = _window(run, spec, request)
-    return _curve(run, spec, name, start, run.filtered(stored)[start:stop])
+    return _curve(run, spec, name, start, run.slab_point(index, start, stop))
+
+
+def filtered_history(
+    run: RunSource, spec: ChannelSpec, values: Vector, request: FigureRequest, name: str
+) -> Curve:
+    """The window's part of a history that was filtered as a whole."""
+    start, stop = _window(run, spec, request)
+    return _curve(run, spec, name, start, values[start:stop])
+
+
+def frame_curve(
+    run: RunSource, spec: ChannelSpec, vertex: int, request: FigureRequest, name: str
+) -> Curve:
+    """The height of one vertex above where it rests, in every stored shape of the window.
+
+    No more shapes are read than a curve has points.
+    """
+    chosen = frames_in(run, request, request.points)
+    heights = run.heights(np.array([vertex]), chosen)[:, 0]
+    time = np.asarray(chosen, dtype=np.float64) * (run.plan.frame_stride * run.plan.time_step)
+    return Curve(name=name, spec=spec, time=time, values=heights * spec.unit.scale)
+
+
+def frames_in(run: RunSource, request: FigureRequest, most: int) -> range:
+    """Indices of the stored shapes in the window, every k-th where there are more than asked for.
+
+    Args:
+        run: The run.
+        request: The window.
+        most: How many indices at most.
+    """
+    interval, last = run.plan.frame_stride * run.plan.time_step, run.committed_frames
+    first = 0
+    if request.start is not None:
+        first = int(np.clip(np.floor(request.start / interval), 0, last))
+    if request.stop is not None:
+        last = int(np.clip(np.ceil(request.stop / interval) + 1, first, last))
+    return range(first, last, max(1, -(-(last - first) // most)))
 
 
 def _window(run: RunSource, spec: ChannelSpec, request: FigureRequest) -> tuple[int, int]:

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 from server.plots.curves import Curve, channel_named, raw_curve
 from server.plots.figure import Figure, compose, table_row, trace
-from server.plots.palette import CURVES
+from server.plots.kind import FigureKind
+from server.plots.palette import line_style
 from server.plots.request import FigureRequest
 from server.plots.source import RunSource
 from server.plots.text import NEGLIGIBLE, quantity, sentence
 from solver.results import ChannelSpec
 
-__all__ = ["displacement"]
+__all__ = ["KIND", "displacement"]
 
 QUANTITY = "/displacement"
 MAX_DEFAULT = 5
@@ -40,8 +41,8 @@ def displacement(run: RunSource, request: FigureRequest) -> Figure:
         title="Vertical displacement, upward positive",
         value_title="displacement [mm]",
         traces=[
-            trace(curve, request, CURVES[number % len(CURVES)], 1.6)
-            for number, curve in enumerate(curves)
+            trace(curve, request, style.color, 1.6, dash=style.dash)
+            for curve, style in zip(curves, map(line_style, range(len(curves))), strict=True)
         ],
         table=[table_row(curve) for curve in curves],
         summary=_summary(run, curves),
@@ -71,3 +72,17 @@ def _summary(run: RunSource, curves: Sequence[Curve]) -> str:
         words = f"{curve.name}: at most {size} {way}, at t = {peak.time:.3f} s"
         sentences.append(sentence(words))
     return " ".join(sentences) or "Nothing has moved yet."
+
+
+def _has(run: RunSource) -> bool:
+    return not run.plan.modal and bool(_chosen(run, FigureRequest()))
+
+
+KIND = FigureKind(
+    name="displacement",
+    title="Vertical displacement",
+    group="deck",
+    axis="time",
+    draw=displacement,
+    has=_has,
+)

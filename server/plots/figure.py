@@ -1,4 +1,4 @@
-"""The parts every time-history figure is made of, as plain plotly JSON.
+"""The parts every figure is made of, as plain plotly JSON.
 
 A figure is ``{"data", "layout", "table", "summary"}``: the browser hands ``data`` and ``layout`` to
 plotly.js, :mod:`server.plots.render` draws the same dictionary for files, and ``table`` and
@@ -7,24 +7,25 @@ plotly.js, :mod:`server.plots.render` draws the same dictionary for files, and `
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
-from server.plots.curves import Curve, Extreme
-from server.plots.palette import INK, MUTED, PAPER
+from server.plots.curves import Curve
+from server.plots.marks import run_in
 from server.plots.request import FigureRequest
 from server.plots.source import PlanSource
 from server.plots.text import escape, unit_text
+from solver.units import Unit
 
 __all__ = [
     "Figure",
-    "callout",
+    "chart",
     "compose",
-    "horizontal_line",
-    "horizontal_note",
-    "run_in",
+    "line_trace",
     "table_row",
     "trace",
+    "value_axis",
     "window",
 ]
 
@@ -33,90 +34,34 @@ Figure: TypeAlias = dict[str, Any]
 
 
 def trace(
-    curve: Curve, request: FigureRequest, color: str, width: float, *, name: str | None = None
+    curve: Curve, request: FigureRequest, color: str, width: float, *, dash: str = "solid"
 ) -> dict[str, Any]:
     """One curve as a plotly trace, decimated."""
     time, values = curve.decimated(request.points)
+    line = line_trace(curve.name, time, values, curve.unit, color=color, width=width, dash=dash)
+    return {**line, "meta": {**line["meta"], "channel": curve.spec.name}}
+
+
+def line_trace(
+    name: str,
+    x: Sequence[float],
+    y: Sequence[float | None],
+    unit: Unit,
+    *,
+    color: str,
+    width: float = 1.6,
+    dash: str = "solid",
+) -> dict[str, Any]:
+    """A line through values in display units, as a plotly trace."""
     return {
         "type": "scatter",
         "mode": "lines",
-        "name": escape(name or curve.name),
-        "x": time,
-        "y": values,
-        "line": {"color": color, "width": width},
-        "hovertemplate": f"%{{y:.4~g}} {escape(unit_text(curve.unit))}",
-    }
-
-
-def horizontal_line(value: float, color: str, dash: str = "dash") -> dict[str, Any]:
-    """A line over the whole width at a value."""
-    return {
-        "type": "line",
-        "xref": "paper",
-        "x0": 0,
-        "x1": 1,
-        "yref": "y",
-        "y0": value,
-        "y1": value,
-        "line": {"color": color, "width": 1.2, "dash": dash},
-        "layer": "below",
-    }
-
-
-def horizontal_note(value: float, text: str, color: str) -> dict[str, Any]:
-    """Words that stand on a horizontal line, at its right end."""
-    return {
-        "xref": "paper",
-        "x": 1,
-        "xanchor": "right",
-        "yref": "y",
-        "y": value,
-        "yanchor": "bottom",
-        "text": escape(text),
-        "showarrow": False,
-        "bgcolor": PAPER,
-        "font": {"size": 11, "color": color},
-    }
-
-
-def run_in(plan: PlanSource) -> list[dict[str, Any]]:
-    """The time before the window that counts, shaded."""
-    if plan.window_start <= 0.0:
-        return []
-    return [
-        {
-            "type": "rect",
-            "xref": "x",
-            "x0": 0.0,
-            "x1": round(plan.window_start, 6),
-            "yref": "paper",
-            "y0": 0,
-            "y1": 1,
-            "line": {"width": 0},
-            "fillcolor": MUTED,
-            "opacity": 0.12,
-            "layer": "below",
-        }
-    ]
-
-
-def callout(extreme: Extreme, text: str, color: str, *, leftwards: bool) -> dict[str, Any]:
-    """An arrow in a curve's colour at one of its values; words stand to its left or right."""
-    return {
-        "xref": "x",
-        "x": round(extreme.time, 6),
-        "yref": "y",
-        "y": extreme.value,
-        "text": "<br>".join(escape(line) for line in text.split("\n")),
-        "showarrow": True,
-        "arrowhead": 2,
-        "arrowcolor": color,
-        "ax": -48 if leftwards else 48,
-        "ay": -34 if extreme.value >= 0 else 34,
-        "font": {"size": 11, "color": INK},
-        "bgcolor": PAPER,
-        "align": "left",
-        "xanchor": "right" if leftwards else "left",
+        "name": escape(name),
+        "x": list(x),
+        "y": list(y),
+        "line": {"color": color, "width": width, "dash": dash},
+        "hovertemplate": f"%{{y:.4~g}} {escape(unit_text(unit))}",
+        "meta": {"unit": unit.shown},
     }
 
 
@@ -157,29 +102,77 @@ def compose(
     request: FigureRequest,
 ) -> Figure:
     """Puts traces, lines and words together on one time axis over the whole run."""
-    value_axis: dict[str, Any] = {
-        "title": {"text": escape(value_title)},
+    return chart(
+        title=title,
+        x_axis={"title": {"text": "time [s]"}, "range": window(plan, request)},
+        y_axis=value_axis(value_title, value_range),
+        traces=traces,
+        table=table,
+        summary=summary,
+        shapes=[*run_in(plan), *shapes],
+        annotations=annotations,
+        hover="x unified",
+        meta={
+            "axis": "time",
+            "speed": plan.speed,
+            "start_position": plan.start_position,
+            "window_start": plan.window_start,
+            "end": (plan.n_sample - 1) * plan.time_step,
+        },
+    )
+
+
+def value_axis(title: str, value_range: tuple[float, float] | None = None) -> dict[str, Any]:
+    """A vertical axis of values, with the line of zero."""
+    axis: dict[str, Any] = {
+        "title": {"text": escape(title)},
         "zeroline": True,
         "exponentformat": "none",
     }
-    if value_range is not None:
-        value_axis["range"] = list(value_range)
+    return axis if value_range is None else {**axis, "range": list(value_range)}
+
+
+def chart(
+    *,
+    title: str,
+    x_axis: Mapping[str, Any],
+    y_axis: Mapping[str, Any],
+    traces: Sequence[dict[str, Any]],
+    table: Sequence[dict[str, Any]],
+    summary: str,
+    shapes: Sequence[dict[str, Any]] = (),
+    annotations: Sequence[dict[str, Any]] = (),
+    hover: str = "closest",
+    meta: Mapping[str, Any],
+    more: Mapping[str, Any] = MappingProxyType({}),
+) -> Figure:
+    """Puts traces, axes, lines and words together.
+
+    Args:
+        title: Of the figure, plain text.
+        x_axis: As plotly has it, its words escaped.
+        y_axis: Likewise.
+        traces: What is drawn.
+        table: One row a curve.
+        summary: What the figure says, in words.
+        shapes: Lines and areas.
+        annotations: Words.
+        hover: plotly's ``hovermode``.
+        meta: What a page has to know of the figure; ``axis`` among it.
+        more: More of the layout, a second vertical axis for example.
+    """
     return {
         "data": list(traces),
         "layout": {
             "title": {"text": escape(title)},
-            "xaxis": {"title": {"text": "time [s]"}, "range": window(plan, request)},
-            "yaxis": value_axis,
-            "shapes": [*run_in(plan), *shapes],
+            "xaxis": dict(x_axis),
+            "yaxis": dict(y_axis),
+            "shapes": list(shapes),
             "annotations": list(annotations),
             "showlegend": True,
-            "hovermode": "x unified",
-            "meta": {
-                "speed": plan.speed,
-                "start_position": plan.start_position,
-                "window_start": plan.window_start,
-                "end": (plan.n_sample - 1) * plan.time_step,
-            },
+            "hovermode": hover,
+            "meta": dict(meta),
+            **more,
         },
         "table": list(table),
         "summary": summary,

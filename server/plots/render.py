@@ -11,7 +11,10 @@ from collections.abc import Mapping
 from io import BytesIO
 from typing import Any
 
+from server.plots.drawn_marks import draw_note, draw_shape
+from server.plots.drawn_traces import draw_trace
 from server.plots.figure import Figure
+from server.plots.palette import DARK, GRID, INK, PAPER
 from server.plots.text import plain
 from solver.errors import InputError
 
@@ -38,15 +41,13 @@ _STYLE: dict[Any, Any] = {
     "font.size": 9.0,
     "agg.path.chunksize": 10_000,
 }
-_DASHES = {"dash": (0, (5, 3)), "solid": "solid", "dot": "dotted"}
-SIZE = (9.0, 4.2)
-"""Width and height. [inch]"""
+WIDTH, HEIGHT, MORE_HEIGHT = 9.0, 4.2, 2.4
+"""Of a figure, and what a second panel adds to the height. [inch]"""
 DOTS_PER_INCH = 160
-POINTS_PER_PIXEL = 0.75
 
 
 def render(figure: Figure, file_format: str) -> bytes:
-    """Draws a figure to a file's bytes.
+    """Draws a figure to a file's bytes, in the colours that it has.
 
     Args:
         figure: What a function of :func:`server.plots.figures` returned.
@@ -64,11 +65,14 @@ def render(figure: Figure, file_format: str) -> bytes:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure as Sheet
 
-    with mpl.rc_context(_STYLE):
-        sheet = Sheet(figsize=SIZE, layout="constrained")
+    layout = figure["layout"]
+    panels = [name for name in ("yaxis", "yaxis2") if name in layout]
+    with mpl.rc_context({**_STYLE, **_ground(layout)}):
+        size = (WIDTH, HEIGHT + MORE_HEIGHT * (len(panels) - 1))
+        sheet = Sheet(figsize=size, layout="constrained")
         FigureCanvasAgg(sheet)
-        axes = sheet.add_subplot()
-        _draw(axes, figure)
+        drawn = sheet.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
+        _draw(sheet, dict(zip(panels, drawn, strict=True)), figure)
         buffer = BytesIO()
         sheet.savefig(
             buffer, format=file_format, dpi=DOTS_PER_INCH, metadata=_METADATA[file_format]
@@ -76,100 +80,76 @@ def render(figure: Figure, file_format: str) -> bytes:
     return buffer.getvalue()
 
 
-def _draw(axes: Any, figure: Figure) -> None:
-    for curve in figure["data"]:
-        values = [float("nan") if value is None else value for value in curve["y"]]
-        axes.plot(
-            curve["x"],
-            values,
-            color=curve["line"]["color"],
-            linewidth=curve["line"]["width"] * POINTS_PER_PIXEL,
-            label=plain(curve["name"]),
-        )
+def _ground(layout: Mapping[str, Any]) -> dict[Any, Any]:
+    """matplotlib's colours for the figure's theme."""
+    tones = DARK if layout["meta"].get("theme") == "dark" else {}
+    paper, ink, grid = (tones.get(color, color) for color in (PAPER, INK, GRID))
+    return {
+        "figure.facecolor": paper,
+        "savefig.facecolor": paper,
+        "axes.facecolor": paper,
+        "axes.edgecolor": ink,
+        "axes.labelcolor": ink,
+        "axes.titlecolor": ink,
+        "text.color": ink,
+        "xtick.color": ink,
+        "ytick.color": ink,
+        "grid.color": grid,
+        "grid.linewidth": 0.5,
+    }
+
+
+def _draw(sheet: Any, panels: Mapping[str, Any], figure: Figure) -> None:
     layout = figure["layout"]
-    _draw_axes(axes, layout)
+
+    def panel(part: Mapping[str, Any], key: str) -> Any:
+        """Axes of a trace, shape or note: plotly calls the second ones ``y2``."""
+        return panels["yaxis2" if part.get(key) == "y2" else "yaxis"]
+
+    for name, axes in panels.items():
+        _draw_axes(axes, layout[name])
+    named = [draw_trace(sheet, panel(part, "yaxis"), part) for part in figure["data"]]
+    for name, axes in panels.items():
+        _set_ranges(axes, layout["xaxis"], layout[name])
     for shape in layout["shapes"]:
-        _draw_shape(axes, shape)
+        across = shape["yref"] == "paper"
+        for axes in panels.values() if across else (panel(shape, "yref"),):
+            draw_shape(axes, shape)
     for note in layout["annotations"]:
-        _draw_note(axes, note)
-    if figure["data"]:
+        draw_note(panel(note, "yref"), note)
+    first, *_, last = (*panels.values(), *panels.values())
+    title = plain(layout["title"]["text"])
+    first.set_title(title, parse_math=False, loc="left", fontsize=10.5)
+    last.set_xlabel(plain(layout["xaxis"]["title"]["text"]), parse_math=False)
+    handles = dict(filter(None, named))
+    if handles and layout["showlegend"]:
         # Outside the axes: 'best' would search every point of long histories for a free corner.
-        legend = axes.legend(
-            loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4, frameon=False, fontsize=8
+        legend = sheet.legend(
+            handles.values(),
+            handles.keys(),
+            loc="outside lower center",
+            ncols=4 if max(map(len, handles)) < 34 else 2,
+            frameon=False,
+            fontsize=8,
+            handlelength=3.2,
         )
         for text in legend.get_texts():
             text.set_parse_math(False)
 
 
-def _draw_axes(axes: Any, layout: Mapping[str, Any]) -> None:
-    axes.set_title(plain(layout["title"]["text"]), parse_math=False, loc="left", fontsize=10.5)
-    axes.set_xlabel(plain(layout["xaxis"]["title"]["text"]), parse_math=False)
-    axes.set_ylabel(plain(layout["yaxis"]["title"]["text"]), parse_math=False)
-    start, stop = layout["xaxis"]["range"]
-    if stop > start:
-        axes.set_xlim(start, stop)
-    if "range" in layout["yaxis"]:
-        axes.set_ylim(*layout["yaxis"]["range"])
-    axes.grid(visible=True, color="#D9DEE3", linewidth=0.5)
+def _draw_axes(axes: Any, value_axis: Mapping[str, Any]) -> None:
+    axes.set_ylabel(plain(value_axis["title"]["text"]), parse_math=False)
+    axes.grid(visible=True)
     axes.set_axisbelow(True)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
 
 
-def _draw_shape(axes: Any, shape: Mapping[str, Any]) -> None:
-    if shape["type"] == "line":
-        line = shape["line"]
-        axes.axhline(
-            shape["y0"],
-            color=line["color"],
-            linewidth=line["width"] * POINTS_PER_PIXEL,
-            linestyle=_DASHES[line["dash"]],
-        )
-        return
-    across = axes.axhspan if shape["xref"] == "paper" else axes.axvspan
-    low, high = ("y0", "y1") if shape["xref"] == "paper" else ("x0", "x1")
-    across(
-        shape[low],
-        shape[high],
-        color=shape["fillcolor"],
-        alpha=shape["opacity"],
-        linewidth=0,
-        zorder=0,
-    )
-
-
-def _draw_note(axes: Any, note: Mapping[str, Any]) -> None:
-    style: dict[str, Any] = {
-        "color": note["font"]["color"],
-        "fontsize": note["font"]["size"] * POINTS_PER_PIXEL,
-        "parse_math": False,
-    }
-    if not note["showarrow"]:
-        axes.text(
-            0.996,
-            note["y"],
-            plain(note["text"]),
-            ha="right",
-            va="bottom",
-            clip_on=True,
-            bbox=_paper(note),
-            transform=axes.get_yaxis_transform(),
-            **style,
-        )
-        return
-    axes.annotate(
-        plain(note["text"]),
-        xy=(note["x"], note["y"]),
-        xytext=(note["ax"] * POINTS_PER_PIXEL, -note["ay"] * POINTS_PER_PIXEL),
-        textcoords="offset points",
-        ha=note["xanchor"],
-        va="center",
-        arrowprops={"arrowstyle": "->", "color": note["arrowcolor"]},
-        bbox=_paper(note),
-        **style,
-    )
-
-
-def _paper(note: Mapping[str, Any]) -> dict[str, Any]:
-    """What lies behind words, so that curves do not run through them."""
-    return {"facecolor": note["bgcolor"], "edgecolor": "none", "alpha": 0.8, "pad": 1.5}
+def _set_ranges(axes: Any, x_axis: Mapping[str, Any], value_axis: Mapping[str, Any]) -> None:
+    """The ranges that the figure states; what it leaves open follows from the traces."""
+    for axis, limits in ((x_axis, axes.set_xlim), (value_axis, axes.set_ylim)):
+        low, high = axis.get("range", (0.0, 0.0))
+        if high > low:
+            limits(low, high)
+    if value_axis.get("rangemode") == "tozero" and "range" not in value_axis:
+        axes.set_ylim(0.0, 1.05 * axes.get_ylim()[1])

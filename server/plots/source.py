@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-from solver.arrays import Vector
-from solver.results import ChannelSpec, SlabPoints
+from solver.arrays import IntVector, Matrix, Vector
+from solver.results import ChannelSpec, Geometry, SlabPeaks, SlabPoints
 
 __all__ = ["PlanSource", "RunSource"]
 
@@ -29,8 +29,23 @@ class PlanSource(Protocol):
         ...
 
     @property
+    def geometry(self) -> Geometry:
+        """What is drawn in three dimensions."""
+        ...
+
+    @property
+    def modal(self) -> bool:
+        """Whether samples are modes instead of instants: such a run has no histories."""
+        ...
+
+    @property
     def time_step(self) -> float:
         """Time between two samples. [s]"""
+        ...
+
+    @property
+    def frame_stride(self) -> int:
+        """Steps between two frames."""
         ...
 
     @property
@@ -73,6 +88,11 @@ class RunSource(Protocol):
         ...
 
     @property
+    def committed_frames(self) -> int:
+        """Frames that may be read."""
+        ...
+
+    @property
     def summary(self) -> Mapping[str, Any] | None:
         """Present once the run is finished; ``filtered`` lists the filtered histories."""
         ...
@@ -83,4 +103,16 @@ class RunSource(Protocol):
 
     def filtered(self, name: str) -> Vector:
         """The whole low-pass filtered history of one channel, SI."""
+        ...
+
+    def slab_point(self, index: int, start: int = 0, stop: int | None = None) -> Vector:
+        """Samples ``start`` to ``stop`` of one slab point's acceleration. [m/s2]"""
+        ...
+
+    def slab_peaks(self) -> SlabPeaks | None:
+        """Greatest accelerations of the slab's points, once they are known."""
+        ...
+
+    def heights(self, vertices: IntVector, frames: range) -> Matrix:
+        """Upward displacements in some frames, shape (n_frame, n_vertex). [m]"""
         ...

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
@@ -31,12 +32,20 @@ class DrawingProcess:
         Raises:
             Problem: 503 with ``Retry-After``: too many figures wait, or this one took too long.
         """
+        return await self.work(render, figure, file_format)
+
+    async def work(self, write: Callable[..., bytes], *arguments: Any) -> bytes:
+        """A file's bytes, made in the process by a function that can be imported there.
+
+        Raises:
+            Problem: 503 with ``Retry-After``: too many files wait, or this one took too long.
+        """
         if self._waiting >= self._pending:
             raise _busy("Too many figures wait to be drawn.")
         self._waiting += 1
         try:
             pool = self._open()
-            drawing = asyncio.get_running_loop().run_in_executor(pool, render, figure, file_format)
+            drawing = asyncio.get_running_loop().run_in_executor(pool, write, *arguments)
             return await asyncio.wait_for(drawing, self._seconds)
         except TimeoutError:
             self.close()

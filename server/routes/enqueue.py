@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import sys
 from dataclasses import replace
 from typing import Any
 
@@ -23,9 +22,6 @@ NO_PLACE: dict[int | str, dict[str, Any]] = {
     507: {"description": "The results would take more disk than this server may use."},
 }
 """Answers to what would have made a job, for the API's description."""
-
-_MODES_BYTES = 1_000_000
-"""What frequencies and the names of shapes take at most: one document. [B]"""
 
 
 def enqueue(
@@ -80,14 +76,8 @@ def body_digest(body: Any) -> str:
 
 def _admitted(service: Service, submission: Submission) -> tuple[int, int]:
     """Steps and bytes that a job will take, where it is not refused."""
-    limits, capacity = service.settings.limits, service.capacity()
-    if submission.kind == "crossing":
-        estimate = admit(submission, limits, capacity).estimate
-        return estimate.steps, math.ceil(estimate.disk_bytes)
-    # The estimate is that of the crossing: frequencies take its memory, and no steps.
-    limits = replace(limits, runs_per_job=sys.maxsize, steps_per_job=sys.maxsize)
-    admit(submission, limits, replace(capacity, disk_bytes=math.inf))
-    return 1, _MODES_BYTES
+    estimate = admit(submission, service.settings.limits, service.capacity()).estimate
+    return estimate.steps, math.ceil(estimate.disk_bytes)
 
 
 def _new_job(

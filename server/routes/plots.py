@@ -1,16 +1,18 @@
-"""Figures of a run: plotly JSON for the page, files for reports."""
+"""Figures of a run: plotly JSON for the page, files for reports, tables for spreadsheets."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from http import HTTPStatus
+from typing import Literal
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter
+from pydantic import BaseModel, ConfigDict
 from starlette.concurrency import run_in_threadpool
-from starlette.responses import JSONResponse, Response
+from starlette.responses import Response
 
-from server.errors import gone_missing
-from server.plots import MEDIA_TYPES, Figure, FigureRequest, figures
-from server.routes.runs import From, To
+from server.errors import Problem, gone_missing
+from server.plots import Figure, FigureRequest, figures, figures_of
+from server.routes.figure_query import FIGURE_RESPONSES, FileFormat, RequestedFigure, send_figure
 from server.routes.service import Service, ServiceDependency
 from server.store import NotStoredError, plain
 
@@ -19,37 +21,59 @@ __all__ = ["router"]
 router = APIRouter(prefix="/api/v1/runs/{run_id}/plots", tags=["plots"])
 
 
-@router.get(
-    "/{figure}.{file_format}",
-    response_class=Response,
-    responses={
-        200: {"content": {kind: {} for kind in ("application/json", *MEDIA_TYPES.values())}},
-        503: {"description": "Too many figures wait; ``Retry-After`` says when to come again."},
-    },
-)
+class FigureVariant(BaseModel):
+    """One way to draw a figure."""
+
+    name: str
+    title: str
+
+
+class FigureItem(BaseModel):
+    """A figure that a run has."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
+
+    name: str
+    title: str
+    group: Literal["deck", "slab", "wheel", "vehicle", "spectrum"]
+    axis: Literal["time", "frequency", "position"]
+    """What runs along its horizontal axis."""
+    variants: list[FigureVariant]
+    """Values of ``variant``, the first by default."""
+    needs_place: bool
+    """Whether it cannot be drawn without ``place``."""
+
+
+class FigureList(BaseModel):
+    """In the order in which a page shows them."""
+
+    items: list[FigureItem]
+
+
+@router.get("")
+def list_figures(run_id: str, service: ServiceDependency) -> FigureList:
+    """The figures that this run has, or will have once it has got so far."""
+    try:
+        reader = service.open_reader(run_id)
+    except Problem as problem:
+        if problem.status != HTTPStatus.CONFLICT:
+            raise
+        return FigureList(items=[])  # not one step so far: there is nothing to draw
+    items = [kind.document(reader) for kind in figures_of(reader)]
+    return FigureList.model_validate({"items": items})
+
+
+@router.get("/{figure}.{file_format}", response_class=Response, responses={**FIGURE_RESPONSES})
 async def read_figure(
     run_id: str,
     figure: str,
-    file_format: Literal["json", "png", "svg", "pdf"],
+    file_format: FileFormat,
     service: ServiceDependency,
-    begin: From = None,
-    end: To = None,
-    points: Annotated[int, Query(description="Most points of a curve.")] = 2000,
-    channels: Annotated[
-        list[str], Query(description="Channels to draw instead of the figure's own choice.")
-    ] = [],  # noqa: B006 (FastAPI copies it)
+    request: RequestedFigure,
 ) -> Response:
-    """A figure, as JSON for plotly.js or as a file."""
-    request = FigureRequest(start=begin, stop=end, points=points, channels=tuple(channels))
+    """A figure, as JSON for plotly.js, as CSV of what it shows, or as a file."""
     drawn = await run_in_threadpool(_figure, service, run_id, figure, request)
-    if file_format == "json":
-        return JSONResponse(drawn)
-    content = await service.drawing.draw(drawn, file_format)
-    return Response(
-        content,
-        media_type=MEDIA_TYPES[file_format],
-        headers={"Content-Disposition": f'attachment; filename="{figure}.{file_format}"'},
-    )
+    return await send_figure(service, figure, drawn, file_format)
 
 
 def _figure(service: Service, run: str, name: str, request: FigureRequest) -> Figure:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 from fastapi import APIRouter, Depends, Response
 
@@ -20,6 +20,7 @@ from server.routes.jobs import job_answer
 from server.routes.quota import require_room
 from server.routes.schemas import Job, JobChange, Run
 from server.routes.service import ServiceDependency
+from solver.studies import JobKind
 
 __all__ = ["router"]
 
@@ -64,7 +65,8 @@ def retry_job(job_id: str, service: ServiceDependency) -> Job:
 def clone_job(job_id: str, response: Response, service: ServiceDependency) -> Job:
     """A new job with the same study, kind and priority."""
     job = service.job(job_id)
-    submission = Submission(kind=job.kind, study=stored_study(job.study), priority=job.priority)
+    kind = cast(JobKind, job.kind)
+    submission = Submission(kind=kind, study=stored_study(job.study), priority=job.priority)
     clone, _ = enqueue(service, submission, source=job.id)
     response.headers["Location"] = f"/api/v1/jobs/{clone.id}"
     return job_answer(service, clone)

@@ -13,6 +13,7 @@ from fastapi import APIRouter, Query, Response
 from starlette.responses import StreamingResponse
 
 from server.errors import Finding, Problem, gone_missing, shortened
+from server.plots.spreadsheet import cell
 from server.routes.documents import channel_document, run_document
 from server.routes.schemas import ChannelList, FrameList, FrameValues, Run, VerdictList
 from server.routes.service import ServiceDependency
@@ -135,6 +136,8 @@ def read_frames(
             time=reader.frame_step(index) * reader.plan.time_step,
             displacement=frame.displacement.tolist(),
             bodies=frame.bodies.tolist(),
+            velocity=None if frame.velocity is None else frame.velocity.tolist(),
+            acceleration=None if frame.acceleration is None else frame.acceleration.tolist(),
         )
     values = np.concatenate([frame.displacement.ravel(), frame.bodies.ravel()])
     return Response(
@@ -195,7 +198,7 @@ def _bounds(begin: float | None, end: float | None) -> tuple[float, float]:
 def _csv(
     reader: RunReader, header: Sequence[str], names: Sequence[str], window: range
 ) -> Iterator[str]:
-    yield _line([_cell(item) for item in header])
+    yield _line([cell(item) for item in header])
     rows_at_once = max(1, _CSV_ROWS // window.step) * window.step
     for start in range(window.start, window.stop, rows_at_once):
         stop = min(start + rows_at_once, window.stop)
@@ -210,11 +213,6 @@ def _line(cells: Sequence[str]) -> str:
     buffer = StringIO()
     csv.writer(buffer).writerow(cells)
     return buffer.getvalue()
-
-
-def _cell(text: str) -> str:
-    """Text that no spreadsheet takes for a formula."""
-    return f"'{text}" if text[:1] in ("=", "+", "-", "@", "\t", "\r") else text
 
 
 def _file_name(name: str) -> str:

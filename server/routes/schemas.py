@@ -224,16 +224,22 @@ class FrameValues(_Model):
     """Of each vertex: x, y, z. [m]"""
     bodies: list[list[float]]
     """Bounce, roll, pitch of each body. [m, rad, rad]"""
+    velocity: list[float] | None
+    """Upwards, of each vertex; null in a modal run, and in runs of before. [m/s]"""
+    acceleration: list[float] | None
+    """Upwards, of each vertex, likewise. [m/s2]"""
 
 
 class EstimateItem(_Model):
-    """What all runs cost together, by closed formulas."""
+    """What all runs cost together."""
 
     runs: int
     steps: int
     unknowns: int
     seconds: float
-    """[s]"""
+    """Computing time, one run after the other. [s]"""
+    basis: str = "closed formula"
+    """What the time is from, for example "3 past runs on this machine"."""
     memory_bytes: float
     """Of one run. [B]"""
     disk_bytes: float
@@ -264,6 +270,8 @@ class TemplateItem(_Model):
     name: str
     title: str
     description: str
+    kind: Literal["crossing", "modes"]
+    """What to compute: ``kind`` of ``POST /jobs``."""
     study: dict[str, Any]
     """As ``POST /jobs`` takes it."""
     estimate: EstimateItem | None

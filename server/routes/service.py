@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Annotated
 
 from fastapi import Depends, Request
@@ -13,6 +14,7 @@ from server.jobs.submission import Capacity
 from server.routes.changes import Changes
 from server.routes.drawing import DrawingProcess
 from server.routes.forecast import Pace
+from server.routes.past_runs import PastRuns
 from server.settings import Settings
 from server.store import (
     Database,
@@ -55,6 +57,11 @@ class Service:
     queue_trouble: Callable[[], str] = lambda: ""
     changes: Changes = field(default_factory=Changes)
     pace: Pace = field(default_factory=Pace)
+
+    @cached_property
+    def past_runs(self) -> PastRuns:
+        """How long runs took beside what was estimated, and what they found."""
+        return PastRuns(self.database, self.store)
 
     def capacity(self) -> Capacity:
         """What a study may take, where it will be computed and stored."""

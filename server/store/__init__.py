@@ -15,6 +15,7 @@ from server.store.documents import plain, read_document, write_document
 from server.store.failures import CheckpointError, PlaceError, StoreError, StoreFullError
 from server.store.holding import Holding
 from server.store.layout import attempt_place, job_place, model_place, run_place
+from server.store.library import LibraryFullError, LibraryRecord, NewEntry
 from server.store.model_store import ModelStore
 from server.store.ownership import OWNER, claim_store
 from server.store.place import Place, check_place, claim, open_place
@@ -34,6 +35,7 @@ from server.store.records import (
     RunRecord,
 )
 from server.store.writer import RunWriter, write_summary
+from solver.results import SlabPeaks
 
 __all__ = [
     "OWNER",
@@ -51,8 +53,11 @@ __all__ = [
     "JobRecord",
     "JobView",
     "KeyReusedError",
+    "LibraryFullError",
+    "LibraryRecord",
     "LockHeldError",
     "ModelStore",
+    "NewEntry",
     "NewEvent",
     "NewJob",
     "NotStoredError",
@@ -65,6 +70,7 @@ __all__ = [
     "RunRecord",
     "RunWriter",
     "SchemaVersionError",
+    "SlabPeaks",
     "StoreError",
     "StoreFullError",
     "StoredPlan",

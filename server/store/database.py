@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from server.store.library import Library
 from server.store.queue import Queue
 from server.store.requests import RequestFlags
 from server.store.schema import SchemaVersionError, migrate, require_schema
@@ -27,7 +28,7 @@ __all__ = [
 ]
 
 
-class Database(Submissions, RequestFlags, Queue, Upkeep):
+class Database(Submissions, RequestFlags, Queue, Upkeep, Library):
     """The metadata of one installation, in an SQLite file or on a PostgreSQL server.
 
     Methods raise SQLAlchemy's ``OperationalError`` where the database is locked for too long, gone

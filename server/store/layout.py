@@ -24,8 +24,12 @@ The arrays of ``live.zarr`` and ``result.zarr``, time first:
     slab       float32  (n_sample, n_point)        [m/s2]
     frames     float32  (n_frame, n_vertex, 3)     [m]
     bodies     float32  (n_frame, n_body, 3)       [m, rad, rad]
+    velocity   float32  (n_frame, n_vertex)        [m/s], where the plan has frame_motion
+    acceleration  likewise                         [m/s2]
     frame_step int64    (n_frame,)                 only in result.zarr
     filtered   float64  (n_sample, n_name)         only in result.zarr, SI
+    slab_peaks float64  (2 or 4, n_point)          only in result.zarr [m/s2, s]: raw, its time,
+                                                   then filtered and its time where it is judged
 """
 
 from __future__ import annotations
@@ -153,6 +157,7 @@ def array_layouts(plan: RunPlan) -> tuple[ArrayLayout, ...]:
     """The arrays that a run fills; those without columns are left out."""
     n_vertex = int(plan.geometry.vertices.shape[0])
     samples, frames = plan.n_sample, plan.n_frame
+    motion = ("velocity", "acceleration") if plan.frame_motion else ()
     arrays = (
         ArrayLayout(name="time", shape=(samples,), dtype="float64"),
         ArrayLayout(name="channels", shape=(samples, len(plan.channels)), dtype="float64"),
@@ -165,6 +170,10 @@ def array_layouts(plan: RunPlan) -> tuple[ArrayLayout, ...]:
             shape=(frames, len(plan.geometry.bodies), 3),
             dtype="float32",
             by_frame=True,
+        ),
+        *(
+            ArrayLayout(name=name, shape=(frames, n_vertex), dtype="float32", by_frame=True)
+            for name in motion
         ),
     )
     return tuple(array for array in arrays if all(array.shape))

@@ -29,6 +29,7 @@ __all__ = [
     "EventRow",
     "InstallationRow",
     "JobRow",
+    "LibraryRow",
     "RunRow",
     "SchemaRow",
     "Table",
@@ -173,3 +174,19 @@ class EventRow(Table):
     kind: Mapped[str] = mapped_column(String(16))
     data: Mapped[Any] = mapped_column(JSON)
     time: Mapped[float] = mapped_column(Float)
+
+
+class LibraryRow(Table):
+    """A part of a study that somebody keeps. Times are seconds since 1970, UTC."""
+
+    __tablename__ = "library"
+    sequence: Mapped[int] = mapped_column(Integer, primary_key=True, autoincrement=True)
+    id: Mapped[str] = mapped_column(String(32), unique=True)
+    kind: Mapped[str] = mapped_column(String(16), index=True)
+    name: Mapped[str] = mapped_column(_WrittenName(200))
+    source: Mapped[str] = mapped_column(_WrittenText)
+    confidence: Mapped[str] = mapped_column(_WrittenText)
+    remarks: Mapped[Any] = mapped_column(JSON)
+    value: Mapped[Any] = mapped_column(JSON)
+    created: Mapped[float] = mapped_column(Float)
+    changed: Mapped[float] = mapped_column(Float)

@@ -41,6 +41,8 @@ def write_plan(place: Place, plan: RunPlan) -> None:
             "start_position": plan.start_position,
             "window_start": plan.window_start,
             "frame_stride": plan.frame_stride,
+            "modal": plan.modal,
+            "frame_motion": plan.frame_motion,
             "channels": [asdict(channel) for channel in plan.channels],
             "slab": {"judged_spans": slab.judged_spans, "named": slab.named},
             "layers": [layer.name for layer in geometry.layers],
@@ -77,6 +79,9 @@ def read_plan(place: Place) -> RunPlan | None:
         geometry=_geometry(document, arrays),
         frame_stride=document["frame_stride"],
         facts=document["facts"],
+        # Plans of before know neither.
+        modal=document.get("modal", False),
+        frame_motion=document.get("frame_motion", False),
     )
 
 

@@ -20,7 +20,7 @@ from server.store.sessions import database_url, open_engine, take_right_to_write
 __all__ = ["MIGRATIONS", "REVISIONS", "SchemaVersionError", "migrate", "require_schema"]
 
 MIGRATIONS = Path(__file__).parent / "migrations"
-REVISIONS = ("0001", "0002", "0003")
+REVISIONS = ("0001", "0002", "0003", "0004")
 """Every revision, oldest first; the last is what this program reads."""
 
 

@@ -204,6 +204,12 @@ class Submissions(EventLog):
                 remaining += max(0.0, share[name] - float(progress.get("step") or 0))
         return round(remaining)
 
+    def jobs_in(self, state: str) -> int:
+        """How many jobs are in a state."""
+        query = select(func.count()).where(JobRow.state == state, _shown())
+        with self._read() as session:
+            return session.scalar(query) or 0
+
     def reserved_bytes(self) -> int:
         """What jobs that have not ended may still need of the disk at most. [B]"""
         query = select(func.sum(JobRow.disk_bytes)).where(JobRow.state.in_(LIVE))

@@ -40,7 +40,7 @@ from server.store.place import CLAIM, Place, as_place
 from server.store.plan import write_plan
 from server.store.shards import ShardBuffer
 from solver.arrays import Vector
-from solver.results import Frame, RunPlan, Sample
+from solver.results import Frame, RunPlan, Sample, SlabPeaks
 
 __all__ = ["RunWriter", "write_summary"]
 
@@ -251,6 +251,18 @@ class RunWriter:
             array.attrs["names"] = names
             self.place.sync(store)
 
+    def add_slab_peaks(self, peaks: SlabPeaks) -> None:
+        """Stores the greatest accelerations of the slab's points."""
+        self.seal()
+        rows = [peaks.raw, peaks.raw_time, peaks.filtered, peaks.filtered_time]
+        values = np.array([row for row in rows if row is not None])
+        if not values.size:
+            return
+        with self._writing():
+            group, store = open_group(self.place, RESULT, "a")
+            group.create_array("slab_peaks", data=values)
+            self.place.sync(store)
+
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Seals the arrays, stores the summary and sets the marker that all of it is there."""
         self.seal()
@@ -278,7 +290,13 @@ class RunWriter:
     def _append_frame(self, step: int, frame: Frame) -> None:
         if step != self._frames.count * self.plan.frame_stride:
             raise ValueError(f"the frame of step {step} came out of turn")
-        self._frames.put({"frames": frame.displacement, "bodies": frame.bodies})
+        values = {
+            "frames": frame.displacement,
+            "bodies": frame.bodies,
+            "velocity": frame.velocity,
+            "acceleration": frame.acceleration,
+        }
+        self._frames.put(values)
         if self._frames.full:
             with self._writing():
                 self._frames.flush(self._group)

@@ -3,5 +3,14 @@
 from server.viewer.routes import router
 from server.viewer.session import ViewerLimits
 from server.viewer.source import FrameSource
+from server.viewer.stills import Still, StillOptions, draw_still, still
 
-__all__ = ["FrameSource", "ViewerLimits", "router"]
+__all__ = [
+    "FrameSource",
+    "Still",
+    "StillOptions",
+    "ViewerLimits",
+    "draw_still",
+    "router",
+    "still",
+]

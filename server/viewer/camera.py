@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
 import viser
 
-from solver.arrays import Vector
+from solver.arrays import Matrix, Vector
 from solver.results import Geometry
 
-__all__ = ["Preset", "View", "follow", "move", "set_initial", "view"]
+__all__ = ["Preset", "View", "aim", "follow", "move", "set_initial", "view"]
 
 Preset: TypeAlias = Literal["overview", "side", "section", "follow", "free"]
 """``free`` leaves the cameras where their users put them."""
 
 NEAR = 0.3
 """Usual distance of the clipping plane. [m]"""
+FARTHEST = 1000.0
+"""Usual end of what is drawn. [m]"""
+LONGEST = 100.0
+"""More of a viaduct or train would be too thin a line to see it move. [m]"""
+MARGIN = 1.06
+SAG = 0.03
+"""Exaggerated deflection over the span's length, as the proposed deformation scale gives it."""
 BOGIE_BEHIND = 1.5
 """Middle of the first bogie behind the first axle, near enough to look at. [m]"""
 
@@ -38,6 +45,11 @@ class View:
     field: float = float(np.radians(34.0))
     near: float = NEAR
 
+    @property
+    def far(self) -> float:
+        """What is beyond is not drawn; side views stand far back. [m]"""
+        return max(FARTHEST, 3.0 * float(np.linalg.norm(self.position - self.target)))
+
 
 def view(preset: Preset, geometry: Geometry, first_axle: float, aspect: float) -> View:
     """The camera of a preset.
@@ -48,39 +60,50 @@ def view(preset: Preset, geometry: Geometry, first_axle: float, aspect: float) -
         first_axle: x of the first axle. [m]
         aspect: Width over height of the picture.
     """
+    stage = _Stage.of(geometry, first_axle)
     if preset == "side":
-        return _side(geometry, aspect)
+        return _side(stage, aspect)
     if preset == "section":
-        return _section(geometry, aspect)
-    if preset == "follow":
-        return _bogie(geometry, first_axle)
-    return _overview(geometry, aspect)
+        return _section(stage, aspect)
+    if preset == "follow" and geometry.wheels.names:
+        return _bogie(stage, aspect)
+    return _overview(stage, aspect)
 
 
 def set_initial(server: viser.ViserServer, first: View) -> None:
     """Where the camera of every new client begins."""
     camera = server.initial_camera
     camera.position, camera.look_at, camera.fov = first.position, first.target, first.field
-    camera.near = first.near
+    camera.near, camera.far = first.near, first.far
 
 
 def move(server: viser.ViserServer, preset: Preset, geometry: Geometry, first_axle: float) -> None:
     """Moves the cameras of all clients to a preset; for ``free`` only unclips them."""
     for client in server.get_clients().values():
-        camera = client.camera
-        aspect = camera.image_width / max(camera.image_height, 1) or 1.0
-        wanted = view(preset, geometry, first_axle, aspect)
-        with client.atomic():
-            camera.near = wanted.near
-            if preset != "free":
-                camera.fov = wanted.field
-                camera.position = wanted.position
-                camera.look_at = wanted.target
+        aim(client, preset, geometry, first_axle)
+
+
+def aim(client: viser.ClientHandle, preset: Preset, geometry: Geometry, first_axle: float) -> None:
+    """Moves the camera of one client to a preset, as its picture's shape asks."""
+    camera = client.camera
+    aspect = camera.image_width / max(camera.image_height, 1) or 1.0
+    wanted = view(preset, geometry, first_axle, aspect)
+    with client.atomic():
+        camera.near, camera.far = wanted.near, wanted.far
+        if preset != "free":
+            camera.fov = wanted.field
+            camera.position = wanted.position
+            camera.look_at = wanted.target
 
 
 def follow(server: viser.ViserServer, geometry: Geometry, first_axle: float) -> None:
-    """Carries the cameras along with the first bogie; each keeps its own angle and distance."""
-    target = _bogie(geometry, first_axle).target
+    """Carries the cameras along with the first bogie; each keeps its own angle and distance.
+
+    Without wheels nothing moves along, and the cameras stay.
+    """
+    if not geometry.wheels.names:
+        return
+    target = _bogie(_Stage.of(geometry, first_axle), 1.0).target
     for client in server.get_clients().values():
         offset = client.camera.position - client.camera.look_at
         with client.atomic():
@@ -88,65 +111,132 @@ def follow(server: viser.ViserServer, geometry: Geometry, first_axle: float) -> 
             client.camera.look_at = target
 
 
-def _overview(geometry: Geometry, aspect: float) -> View:
-    """From the side and above, the middle span in the middle."""
-    begin, end = _middle_span(geometry)
-    middle, height = (begin + end) / 2.0, geometry.wheels.contact_height
-    low, high = _extent(geometry)
-    reach = min(max(0.42 * (high - low), 0.75 * (end - begin)), 1.1 * (end - begin))
-    reach *= max(1.0, 1.3 / aspect)  # step back where the picture is upright
-    return View(
-        position=np.array([middle - 0.75 * reach, -1.75 * reach, height + 0.72 * reach]),
-        target=np.array([middle - 0.05 * reach, 0.0, height - 0.02 * reach]),
-    )
+def _overview(stage: _Stage, aspect: float) -> View:
+    """From the side and above, as much as can still be made out."""
+    direction = np.array([-0.36, -0.83, 0.36])
+    return _fitting(stage.shortened(), direction, float(np.radians(34.0)), aspect)
 
 
-def _side(geometry: Geometry, aspect: float) -> View:
-    """The whole viaduct as on an elevation."""
-    low, high = _extent(geometry)
-    field = float(np.radians(10.0))
-    distance = 1.12 * (high - low) / (2.0 * aspect * np.tan(field / 2.0))
-    centre, height = (low + high) / 2.0, geometry.wheels.contact_height
-    return View(
-        position=np.array([centre, -distance, height + 0.02 * distance]),
-        target=np.array([centre, 0.0, height]),
-        field=field,
-    )
+def _side(stage: _Stage, aspect: float) -> View:
+    """A bridge or track as on an elevation; of a train alone as much as can be made out."""
+    shown = stage.shortened() if stage.train_alone else stage
+    return _fitting(shown, np.array([0.0, -1.0, 0.02]), float(np.radians(10.0)), aspect)
 
 
-def _section(geometry: Geometry, aspect: float) -> View:
+def _section(stage: _Stage, aspect: float) -> View:
     """The middle of the middle span, cut and seen in the train's way."""
-    begin, end = _middle_span(geometry)
-    field, height = float(np.radians(16.0)), geometry.wheels.contact_height
-    half_width = 1.25 * float(np.abs(geometry.vertices[:, 1]).max(initial=2.0))
-    half_height = max(3.6, half_width / aspect)
-    distance = half_height / np.tan(field / 2.0)
-    middle = (begin + end) / 2.0
+    field = float(np.radians(16.0))
+    middle, height = stage.cut, (stage.bottom + stage.top) / 2.0
+    half_height = 1.1 * max((stage.top - stage.bottom) / 2.0, stage.half_width / aspect)
+    distance = half_height / float(np.tan(field / 2.0))
     return View(
-        position=np.array([middle - distance, 0.0, height + 0.6]),
-        target=np.array([middle, 0.0, height + 0.3]),
+        position=np.array([middle - distance, 0.0, height + 0.3]),
+        target=np.array([middle, 0.0, height]),
         field=field,
         near=distance,
     )
 
 
-def _bogie(geometry: Geometry, first_axle: float) -> View:
+def _bogie(stage: _Stage, aspect: float) -> View:
     """The first bogie from the side, close."""
-    height, centre = geometry.wheels.contact_height, first_axle - BOGIE_BEHIND
+    centre, back = stage.bogie, max(1.0, 1.5 / aspect)
     return View(
-        position=np.array([centre + 8.0, -9.5, height + 3.0]),
-        target=np.array([centre, 0.0, height + 0.3]),
+        position=np.array([centre + 8.0 * back, -9.5 * back, stage.rail + 3.0 * back]),
+        target=np.array([centre, 0.0, stage.rail + 0.3]),
     )
 
 
-def _middle_span(geometry: Geometry) -> tuple[float, float]:
-    spans = geometry.spans
-    if not len(spans):
-        return _extent(geometry)
-    begin, end = spans[len(spans) // 2]
-    return float(begin), float(end)
+def _fitting(stage: _Stage, direction: Vector, field: float, aspect: float) -> View:
+    """As near as the whole stage can be seen.
+
+    Args:
+        stage: What has to be seen.
+        direction: From the target to the eye.
+        field: Vertical field of view. [rad]
+        aspect: Width over height of the picture.
+    """
+    target = np.array([(stage.low + stage.high) / 2.0, 0.0, (stage.bottom + stage.top) / 2.0])
+    back = direction / np.linalg.norm(direction)
+    right = np.cross(-back, [0.0, 0.0, 1.0])
+    right = right / np.linalg.norm(right)
+    axes = np.array([right, np.cross(right, -back), back])
+    across, up, towards = axes @ (stage.corners() - target).T
+    # A corner is seen if its offset is within the tangent of half the field times its depth.
+    tangent = float(np.tan(field / 2.0))
+    needed = np.maximum(np.abs(across) / aspect, np.abs(up)) / tangent + towards
+    return View(position=target + MARGIN * needed.max() * back, target=target, field=field)
 
 
-def _extent(geometry: Geometry) -> tuple[float, float]:
-    along = geometry.spans if len(geometry.spans) else geometry.vertices[:, 0]
-    return float(along.min()), float(along.max())
+@dataclass(frozen=True, kw_only=True)
+class _Stage:
+    """What there is to look at.
+
+    Attributes:
+        low: x at which it begins. [m]
+        high: x at which it ends. [m]
+        half_width: [m]
+        bottom: Lowest z. [m]
+        top: Highest z, the train's roof if there is one. [m]
+        rail: z of the rails. [m]
+        cut: x of the section. [m]
+        bogie: x of the middle of the first bogie. [m]
+        train_alone: Whether there is neither bridge nor track.
+    """
+
+    low: float
+    high: float
+    half_width: float
+    bottom: float
+    top: float
+    rail: float
+    cut: float
+    bogie: float
+    train_alone: bool
+
+    @classmethod
+    def of(cls, geometry: Geometry, first_axle: float) -> _Stage:
+        """The bridge, or the track, or the train alone."""
+        wheels, vertices, rail = geometry.wheels, geometry.vertices, geometry.wheels.contact_height
+        low, high = _extent(geometry, first_axle)
+        begin, end = low, high
+        if len(geometry.spans):
+            begin, end = geometry.spans[len(geometry.spans) // 2].tolist()
+        sag = SAG * max((geometry.spans[:, 1] - geometry.spans[:, 0]).tolist(), default=0.0)
+        roofs = [body.base + body.size[2] for body in geometry.bodies]
+        height = max(roofs, default=2.0 * wheels.radius if wheels.names else 0.5)
+        return cls(
+            low=low,
+            high=high,
+            half_width=max(1.8, float(np.abs(vertices[:, 1]).max(initial=0.0))),
+            bottom=float(vertices[:, 2].min(initial=rail)) - 0.3 - sag,
+            top=max(rail + height, float(vertices[:, 2].max(initial=rail))),
+            rail=rail,
+            cut=(begin + end) / 2.0,
+            bogie=first_axle - BOGIE_BEHIND,
+            train_alone=not len(vertices),
+        )
+
+    def shortened(self) -> _Stage:
+        """Its middle, if it is too long."""
+        middle, half = (self.low + self.high) / 2.0, min(self.high - self.low, LONGEST) / 2.0
+        return replace(self, low=middle - half, high=middle + half)
+
+    def corners(self) -> Matrix:
+        """Of the box around it, shape (8, 3). [m]"""
+        sides = (
+            (self.low, self.high),
+            (-self.half_width, self.half_width),
+            (self.bottom, self.top),
+        )
+        return np.array([(x, y, z) for x in sides[0] for y in sides[1] for z in sides[2]])
+
+
+def _extent(geometry: Geometry, first_axle: float) -> tuple[float, float]:
+    """Where it begins and ends along the track: spans, else the surface, else the train. [m]"""
+    if len(geometry.spans):
+        return float(geometry.spans.min()), float(geometry.spans.max())
+    if len(geometry.vertices):
+        return float(geometry.vertices[:, 0].min()), float(geometry.vertices[:, 0].max())
+    ends = [body.offset + side * body.size[0] / 2.0 for body in geometry.bodies for side in (-1, 1)]
+    ends = [0.0, *geometry.wheels.offsets.tolist(), *ends]
+    return first_axle + min(ends), first_axle + max(ends)

@@ -148,7 +148,7 @@ def force_arrows(
         Tails and heads, shape (n_wheel, 2, 3); of almost no length where there is no force. [m]
     """
     head = positions - np.array([0.0, 0.0, radius])
-    head[:, 1] += np.where(lateral < 0.0, -ARROW_ASIDE, ARROW_ASIDE)
+    head[:, 1] += np.where(lateral <= 0.0, -ARROW_ASIDE, ARROW_ASIDE)
     tail = head.copy()
     length = np.where(np.isfinite(force), force, 0.0) * metres_per_newton
     tail[:, 2] += np.maximum(length, 1e-3)

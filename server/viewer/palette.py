@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-__all__ = ["Colour", "Palette", "Theme", "palette"]
+__all__ = ["Colour", "Colouring", "Palette", "Theme", "palette"]
 
 Colour: TypeAlias = tuple[int, int, int]
 Theme: TypeAlias = Literal["light", "dark"]
+Colouring: TypeAlias = Literal["none", "displacement", "velocity", "acceleration", "peak"]
+"""What the surface's colours say; ``none`` shows the materials."""
 
 _MATERIALS: dict[str, Colour] = {
     "slab": (176, 182, 190),

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from server.viewer.colour_map import ColourBar
+from server.viewer.colouring import SurfaceColours
 from server.viewer.kinematics import (
     axle_poses,
     body_poses,
@@ -14,6 +17,7 @@ from server.viewer.kinematics import (
     pleasing_scale,
     wheel_positions,
 )
+from server.viewer.palette import Colouring
 from server.viewer.source import FrameSource, WheelHistory
 from solver.arrays import BoolVector, FloatArray, IntArray, Matrix, Vector
 from solver.results import Frame, Geometry
@@ -22,6 +26,13 @@ __all__ = ["Picture", "PictureMaker", "axle_pairs"]
 
 FORCE_LENGTH = 1.0 / 85e3
 """An arrow of one metre is 85 kN, about the static load of a wheel of the KHST. [m/N]"""
+
+_OVER_THE_SLAB = frozenset({"ballast", "sleepers"})
+_SHAPE_SIZE = 0.5
+_TRAIN_SHAPE_SIZE = 0.3
+"""Greatest displacement of a mode's shape as first drawn. [m]"""
+_SHORTEST = 20.0
+"""Where there are no spans, the length that counts for one. [m]"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,10 +46,13 @@ class Picture:
         vertices: Deformed and exaggerated, shape (n_vertex, 3). [m]
         wheels: Centres, shape (n_wheel, 3). [m]
         lost: Which wheels have no contact, shape (n_wheel,).
-        arrows: Contact forces, shape (n_wheel, 2, 3). [m]
+        arrows: Contact forces, shape (n_wheel, 2, 3); none in a modal run. [m]
         axles: Centres, quaternions and lengths.
         body_centres: Shape (n_body, 3). [m]
         body_orientations: Unit quaternions, shape (n_body, 4).
+        colours: Layer to sRGB colours of its vertices in ascending order of their indices, shape
+            (n_used, 3); layers that are not named show their material.
+        veiled: Layers that are drawn as a veil, because they lie over what the colours tell.
     """
 
     index: int
@@ -51,6 +65,8 @@ class Picture:
     axles: tuple[Matrix, Matrix, Vector]
     body_centres: Matrix
     body_orientations: Matrix
+    colours: dict[str, NDArray[np.uint8]]
+    veiled: frozenset[str]
 
 
 class PictureMaker:
@@ -60,11 +76,30 @@ class PictureMaker:
         self._source = source
         self._plan = source.plan
         self._history = WheelHistory(source)
+        self._colours = SurfaceColours(source)
         self._rest: FloatArray | None = None
         self.pairs = axle_pairs(self._plan.geometry.wheels.offsets)
 
-    def picture(self, index: int, scale: float) -> Picture:
-        """The moment of one stored frame, exaggerated by a scale."""
+    @property
+    def available_colourings(self) -> tuple[Colouring, ...]:
+        """Colourings that this run has data for, ``none`` first."""
+        return self._colours.available
+
+    def colour_bar(self, colour: Colouring) -> ColourBar | None:
+        """What the colours mean: the same at all times of the run so far."""
+        return self._colours.bar(colour)
+
+    def picture(
+        self, index: int, scale: float, colour: Colouring = "none", phase: float = 1.0
+    ) -> Picture:
+        """The moment of one stored frame.
+
+        Args:
+            index: The frame; the mode in a modal run.
+            scale: Deformation scale.
+            colour: What the surface's colours say.
+            phase: Multiplies the shape of a mode, -1 to 1.
+        """
         geometry, wheels = self._plan.geometry, self._plan.geometry.wheels
         if self._source.committed_frames == 0:
             step, frame = 0, _rest(geometry)
@@ -72,42 +107,54 @@ class PictureMaker:
         else:
             step, frame = index * self._plan.frame_stride, self._source.frame(index)
             displacement, force = self._history.at_step(step)
+        if self._plan.modal:
+            displacement = phase * displacement
         time = step * self._plan.time_step
         first_axle = self._plan.start_position + self._plan.speed * time
         positions = wheel_positions(wheels, first_axle, displacement, scale)
-        motion = np.asarray(frame.bodies, dtype=np.float64) - self._bodies_at_rest(frame)
+        arrows = force_arrows(positions, wheels.lateral, wheels.radius, force, FORCE_LENGTH)
+        motion = self._motion(frame)
         centres, orientations = body_poses(
-            geometry.bodies, first_axle, wheels.contact_height, motion, scale
+            geometry.bodies, first_axle, wheels.contact_height, motion, phase * scale
         )
+        colours = self._colours.of(frame, colour, phase)
         return Picture(
             index=index,
             time=time,
             first_axle=first_axle,
-            vertices=deformed(geometry.vertices, frame.displacement, scale),
+            vertices=deformed(geometry.vertices, frame.displacement, phase * scale),
             wheels=positions,
             lost=force <= 0.0,
-            arrows=force_arrows(positions, wheels.lateral, wheels.radius, force, FORCE_LENGTH),
+            arrows=arrows[:0] if self._plan.modal else arrows,
             axles=axle_poses(positions, self.pairs),
             body_centres=centres,
             body_orientations=orientations,
+            colours=colours,
+            veiled=_OVER_THE_SLAB if colour == "peak" and colours else frozenset(),
         )
 
     def scale(self) -> float:
         """A deformation scale at which the stored peak is well seen."""
         geometry = self._plan.geometry
-        count = self._source.committed_frames
-        indices = np.unique(np.linspace(0, count - 1, 24).astype(int)) if count else []
-        moved = [np.abs(self._source.frame(int(index)).displacement).max() for index in indices]
+        if self._plan.modal:
+            return _SHAPE_SIZE if len(geometry.vertices) else _TRAIN_SHAPE_SIZE
         lengths = geometry.spans[:, 1] - geometry.spans[:, 0]
-        return pleasing_scale(float(max(moved, default=0.0)), 0.03 * float(np.max(lengths)))
+        span = float(np.max(lengths)) if len(lengths) else _SHORTEST
+        return pleasing_scale(self._colours.greatest_displacement, 0.03 * span)
 
-    def _bodies_at_rest(self, frame: Frame) -> FloatArray:
-        """Settlements under the train's own weight, which are no motion worth exaggerating."""
-        if self._source.committed_frames == 0:
-            return np.asarray(frame.bodies, dtype=np.float64)
+    def _motion(self, frame: Frame) -> FloatArray:
+        """Bounce, roll and pitch of the bodies, less those under the train's own weight.
+
+        Shape (n_body, 3). [m, rad, rad]
+        """
+        bodies = np.asarray(frame.bodies, dtype=np.float64)
+        if self._plan.modal:
+            return bodies
         if self._rest is None:
+            if self._source.committed_frames == 0:
+                return np.zeros_like(bodies)
             self._rest = np.array(self._source.frame(0).bodies, dtype=np.float64)
-        return self._rest
+        return bodies - self._rest
 
 
 def _rest(geometry: Geometry) -> Frame:

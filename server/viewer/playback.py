@@ -8,23 +8,29 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import viser
 
 from server.viewer import camera
-from server.viewer.kinematics import nearest_frame
-from server.viewer.palette import Theme
-from server.viewer.picture import PictureMaker
+from server.viewer.colour_map import ColourBar
+from server.viewer.palette import Colouring, Theme
+from server.viewer.picking import Marker, Picked, Picker, Ray
+from server.viewer.picture import Picture, PictureMaker
 from server.viewer.scene import Scene, available_layers
+from server.viewer.scene_part import Detail
 from server.viewer.source import FrameSource
+from server.viewer.timeline import Timeline
+from solver.arrays import Matrix
 
-__all__ = ["PlaybackState", "Player", "advanced"]
+__all__ = ["Choices", "PlaybackState", "Player", "advanced"]
 
 SLOW_MOTION = 0.1
 """Simulated over real seconds, to begin with."""
+MODE_RATE = 0.5
+"""Cycles of a mode in a second, to begin with."""
 OPENING_ASPECT = 1.9
 """Width over height of a picture that has not been seen yet."""
 
@@ -34,13 +40,17 @@ class PlaybackState:
     """What is shown and how.
 
     Attributes:
-        time: In the run. [s]
+        time: In the run; of the animation in a modal one. [s]
         playing: Whether the time runs.
-        rate: Simulated over real seconds; slow motion below 1.
+        rate: Simulated over real seconds; slow motion below 1. Cycles a second of a mode.
         scale: Deformation scale.
         layers: What is visible.
         camera: Preset, or ``free``.
         theme: Of the page around the view.
+        colour: What the surface's colours say.
+        mode: Which mode of a modal run, counted from 0.
+        smooth: Colours per vertex; else per element, for a browser without the page's script.
+        picked: The vertex that was clicked last.
     """
 
     time: float
@@ -50,6 +60,45 @@ class PlaybackState:
     layers: frozenset[str]
     camera: camera.Preset
     theme: Theme
+    colour: Colouring = "none"
+    mode: int = 0
+    smooth: bool = True
+    picked: Picked | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choices:
+    """What can be asked of a run.
+
+    Attributes:
+        layers: Names of everything that can be shown.
+        colours: Colourings that the run has data for.
+        modes: How many modes there are; none in a history.
+    """
+
+    layers: tuple[str, ...]
+    colours: tuple[Colouring, ...]
+    modes: int
+
+    @classmethod
+    def of(cls, source: FrameSource) -> Choices:
+        """The choices of a run as far as it has come."""
+        return cls(
+            layers=available_layers(source.plan.geometry, modal=source.plan.modal),
+            colours=PictureMaker(source).available_colourings,
+            modes=Timeline(source).modes,
+        )
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """What decides how the surface looks; drawn again where it changes."""
+
+    index: int
+    scale: float
+    colour: Colouring
+    phase: float
+    detail: Detail
 
 
 def advanced(state: PlaybackState, elapsed: float, last: float, done: bool) -> PlaybackState:
@@ -58,7 +107,7 @@ def advanced(state: PlaybackState, elapsed: float, last: float, done: bool) -> P
     Args:
         state: At the anchor.
         elapsed: Real time since. [s]
-        last: Time of the last stored frame. [s]
+        last: Time of the last stored frame; infinite for modes, which never end. [s]
         done: Whether the run has ended: playing ends with its last frame, else it waits there.
     """
     reached = state.time + (state.rate * elapsed if state.playing else 0.0)
@@ -70,9 +119,10 @@ class Player:
     """Shows one run on one server; only what changed is sent.
 
     Args:
-        server: The session's server.
+        server: The session's server; what it showed before is cleared.
         source: The run.
         theme: Of the page around the view.
+        before: What showed another run on this server, to go on alike.
         clock: Seconds that never go back.
     """
 
@@ -81,45 +131,50 @@ class Player:
         server: viser.ViserServer,
         source: FrameSource,
         theme: Theme,
+        before: Player | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._server = server
         self._source = source
+        self._plan = source.plan
         self._geometry = source.plan.geometry
         self._maker = PictureMaker(source)
-        self.interval = source.plan.frame_stride * source.plan.time_step
+        self.timeline = Timeline(source)
+        self._picker = Picker(self._geometry, self._plan.slab)
+        self._marker = Marker(server)
+        self._clicks = 0
         self._clock = clock
         self._lock = threading.Lock()
         self._anchor = clock()
-        self._camera_asked = False
-        self._state = self._first_state(theme)
+        self._camera_asked = before is not None
+        self._state = self._first_state(theme, before)
         self._shown = self._state
-        self._drawn = (self._frame_index(self._state.time), self._state.scale)
-        picture = self._maker.picture(*self._drawn)
-        self._scene = Scene(server, self._geometry, picture, theme)
-        opening = camera.view("overview", self._geometry, picture.first_axle, OPENING_ASPECT)
+        self._drawn = self._wanted(self._state)
+        self._picture = self._made(self._drawn)
+        if before is not None:
+            before.leave()
+        self._scene = self._built(self._state)
+        opening = camera.view("overview", self._geometry, self._picture.first_axle, OPENING_ASPECT)
         camera.set_initial(server, opening)
 
     @property
-    def layers(self) -> tuple[str, ...]:
-        """Names of everything that can be shown."""
-        return available_layers(self._geometry)
-
-    @property
-    def last(self) -> float:
-        """Time of the last frame that can be shown. [s]"""
-        return max(self._source.committed_frames - 1, 0) * self.interval
-
-    @property
-    def done(self) -> bool:
-        """Whether no more frames will come."""
-        return self._source.done
+    def choices(self) -> Choices:
+        """What can be asked of the run now."""
+        return Choices(
+            layers=available_layers(self._geometry, modal=self.timeline.modal),
+            colours=self._maker.available_colourings,
+            modes=self.timeline.modes,
+        )
 
     @property
     def state(self) -> PlaybackState:
         """The state now."""
         with self._lock:
             return self._advance()
+
+    def colour_bar(self) -> ColourBar | None:
+        """What the colours mean that are shown now."""
+        return self._maker.colour_bar(self.state.colour)
 
     def change(self, **changes: object) -> PlaybackState:
         """Changes some of the state, from now on; shown by the next ``draw``.
@@ -129,38 +184,98 @@ class Player:
         """
         with self._lock:
             state = replace(self._advance(), **changes)  # pyright: ignore[reportArgumentType]
-            self._state = advanced(state, 0.0, self.last, self.done)
+            self._state = advanced(state, 0.0, self.timeline.last, self.timeline.done)
             self._camera_asked = self._camera_asked or "camera" in changes
             return self._state
+
+    def pick(self, ray: Ray) -> bool:
+        """Takes a click on what is displayed; one that meets nothing changes nothing.
+
+        Returns:
+            Whether a point was picked.
+        """
+        picture, layers = self._picture, self.state.layers
+        picked = self._picker.pick(ray, picture.vertices, layers, self._clicks + 1)
+        if picked is None:
+            return False
+        with self._lock:
+            self._clicks = picked.sequence
+            self._state = replace(self._advance(), picked=picked)
+        return True
+
+    def mark(self, place: Sequence[float] | None) -> PlaybackState:
+        """Marks the vertex nearest to a place, as if it had been clicked; None marks nothing.
+
+        Args:
+            place: At rest, (x, y, z). [m]
+        """
+        eye = camera.view("overview", self._geometry, self._picture.first_axle, OPENING_ASPECT)
+        picked = None
+        if place is not None:
+            picked = self._picker.nearest(np.array(place), eye.position, self._clicks)
+        return self.change(picked=picked)
 
     def draw(self) -> bool:
         """Shows the state now; says whether anything had to be sent."""
         state = self.state
         shown, self._shown = self._shown, state
-        wanted = (self._frame_index(state.time), state.scale)
+        wanted = self._wanted(state)
+        repainted = (state.theme, state.smooth) != (shown.theme, shown.smooth)
         layers_changed = state.layers != shown.layers
-        if state.theme != shown.theme:
-            picture = self._maker.picture(*wanted)
-            self._scene = Scene(self._server, self._geometry, picture, state.theme)
+        drew = repainted or layers_changed or wanted != self._drawn
+        if wanted != self._drawn:
+            self._picture = self._made(wanted)
+        if repainted:
+            self._scene = self._built(state)
+        if repainted or layers_changed:
             self._scene.show_layers(state.layers)
-        elif layers_changed or wanted != self._drawn:
-            picture = self._maker.picture(*wanted)
-            if layers_changed:
-                self._scene.show_layers(state.layers)
-            self._scene.show(picture)
-        moved = self._move_camera(state, shown)
-        drew = wanted != self._drawn or layers_changed or state.theme != shown.theme
+        if drew:
+            self._scene.show(self._picture, wanted.detail)
         self._drawn = wanted
-        return drew or moved
+        if drew or state.picked != shown.picked:
+            self._mark(state.picked, state.layers, fresh=state.picked != shown.picked)
+            drew = True
+        return self._move_camera(state, shown) or drew
+
+    def leave(self) -> None:
+        """Takes everything off the server, for another run to be shown there."""
+        self._marker.remove()
+        self._scene.clear()
+
+    def _built(self, state: PlaybackState) -> Scene:
+        return Scene(
+            self._server,
+            self._geometry,
+            self._picture,
+            state.theme,
+            smooth=state.smooth,
+            landmarks=_landmarks(self._source),
+        )
+
+    def _mark(self, picked: Picked | None, layers: frozenset[str], *, fresh: bool) -> None:
+        """Carries the marker along with the picked vertex."""
+        where = None
+        if picked is not None and picked.layer in layers:
+            where = self._picker.position(picked.vertex, self._picture.vertices)
+        self._marker.show(picked, where, fresh=fresh)
+
+    def welcome(self, client: viser.ClientHandle) -> None:
+        """Aims the camera of a new client: only now the shape of its picture is known."""
+        state = self.state
+        camera.aim(client, state.camera, self._geometry, self._first_axle(state))
+
+    def _first_axle(self, state: PlaybackState) -> float:
+        """Where the train is; in a modal run it stands. [m]"""
+        run = 0.0 if self.timeline.modal else self._plan.speed * state.time
+        return self._plan.start_position + run
 
     def _move_camera(self, state: PlaybackState, shown: PlaybackState) -> bool:
-        plan = self._source.plan
-        first_axle = plan.start_position + plan.speed * state.time
+        first_axle = self._first_axle(state)
         with self._lock:
             asked, self._camera_asked = self._camera_asked, False
         if asked:
             camera.move(self._server, state.camera, self._geometry, first_axle)
-        elif state.camera == "follow" and state.time != shown.time:
+        elif state.camera == "follow" and state.time != shown.time and not self.timeline.modal:
             camera.follow(self._server, self._geometry, first_axle)
         else:
             return False
@@ -168,25 +283,47 @@ class Player:
 
     def _advance(self) -> PlaybackState:
         now = self._clock()
-        self._state = advanced(self._state, now - self._anchor, self.last, self.done)
-        self._anchor = now
+        elapsed, self._anchor = now - self._anchor, now
+        self._state = advanced(self._state, elapsed, self.timeline.last, self.timeline.done)
         return self._state
 
-    def _frame_index(self, at: float) -> int:
-        return nearest_frame(at, self.interval, self._source.committed_frames)
+    def _wanted(self, state: PlaybackState) -> _Drawn:
+        index, phase = self.timeline.frame(state.time, state.mode)
+        detail: Detail = "playing" if state.playing else "paused"
+        return _Drawn(index, state.scale, state.colour, phase, detail)
 
-    def _first_state(self, theme: Theme) -> PlaybackState:
-        """The train in the middle of the viaduct, if it has come that far."""
-        plan, spans = self._source.plan, self._geometry.spans
-        centre = float(np.mean(spans)) if len(spans) else 0.0
-        reach = min(40.0, float(-np.min(self._geometry.wheels.offsets, initial=0.0)))
-        at = (centre + 0.5 * reach - plan.start_position) / plan.speed if plan.speed else 0.0
-        return PlaybackState(
-            time=min(max(at, 0.0), self.last),
+    def _made(self, wanted: _Drawn) -> Picture:
+        return self._maker.picture(wanted.index, wanted.scale, wanted.colour, wanted.phase)
+
+    def _first_state(self, theme: Theme, before: Player | None) -> PlaybackState:
+        choices = self.choices
+        first = PlaybackState(
+            time=self.timeline.opening(),
             playing=False,
-            rate=SLOW_MOTION,
+            rate=MODE_RATE if self.timeline.modal else SLOW_MOTION,
             scale=self._maker.scale(),
-            layers=frozenset(self.layers),
+            layers=frozenset(choices.layers),
             camera="overview",
             theme=theme,
         )
+        if before is None:
+            return first
+        was = before.state
+        hidden = frozenset(before.choices.layers) - was.layers
+        return replace(
+            first,
+            layers=first.layers - hidden,
+            camera=was.camera,
+            smooth=was.smooth,
+            colour=was.colour if was.colour in choices.colours else "none",
+        )
+
+
+def _landmarks(source: FrameSource) -> Matrix:
+    """The point of the peak stays on the surface while it moves, shape (n, 3). [m]"""
+    peaks = source.slab_peaks()
+    coordinates = source.plan.slab.coordinates
+    if peaks is None or not len(coordinates):
+        return np.empty((0, 3))
+    values = peaks.raw if peaks.filtered is None else peaks.filtered
+    return coordinates[[int(np.argmax(values))]]

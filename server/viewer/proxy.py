@@ -20,7 +20,7 @@ from websockets.typing import Subprotocol
 from server.viewer.guard import secret_headers
 from server.viewer.session import Session, Sessions
 
-__all__ = ["PAGE_POLICY", "UNKNOWN_SESSION", "page", "pass_on"]
+__all__ = ["PAGE_POLICY", "UNKNOWN_SESSION", "page", "page_script", "pass_on"]
 
 PAGE_POLICY = (
     "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; "
@@ -41,7 +41,7 @@ _STYLE = (
 
 
 def page() -> Response:
-    """Viser's page, one self-contained file, under a strict policy."""
+    """Viser's page with our script, one self-contained file, under a strict policy."""
     return HTMLResponse(
         _page_bytes(),
         headers={
@@ -54,10 +54,17 @@ def page() -> Response:
 
 
 @cache
+def page_script() -> bytes:
+    """The element that lets viser's page colour vertices; in a replay file too."""
+    script = files("server.viewer").joinpath("client", "colours.mjs").read_bytes()
+    return b'<script type="module">' + script + b"</script>"
+
+
+@cache
 def _page_bytes() -> bytes:
     """The packaged page without its own panel and notice: the dashboard around it has controls."""
     packaged = files("viser").joinpath("client", "build", "index.html").read_bytes()
-    return packaged.replace(b"</head>", _STYLE + b"</head>", 1)
+    return packaged.replace(b"</head>", _STYLE + page_script() + b"</head>", 1)
 
 
 async def pass_on(browser: WebSocket, sessions: Sessions, session_id: str) -> None:

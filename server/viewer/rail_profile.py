@@ -9,11 +9,13 @@ import numpy as np
 from server.viewer.surface import Surface
 from solver.arrays import IntArray, Matrix, Vector
 
-__all__ = ["with_rail_section"]
+__all__ = ["SECTION_POINTS", "with_rail_section"]
 
 _SECTION = ((0.0, 0.0), (0.0, 0.05), (-0.025, 0.065), (0.039, 0.172))
 """Spread beyond the head's edge and depth below its top of head, web and foot, after 60E1: head
 72 mm, foot 150 mm, height 172 mm. [m]"""
+SECTION_POINTS = len(_SECTION)
+"""Vertices drawn for one of the ribbon."""
 
 
 def with_rail_section(surface: Surface, vertices: Matrix) -> Surface:

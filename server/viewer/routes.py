@@ -4,84 +4,26 @@ from __future__ import annotations
 
 from collections.abc import AsyncGenerator, Callable
 from contextlib import asynccontextmanager
-from typing import Annotated, Any
+from typing import Any
 
 from fastapi import APIRouter, Response, WebSocket
-from pydantic import BaseModel, ConfigDict, Field
 from starlette.concurrency import run_in_threadpool
 
 from server.errors import Finding, Problem, gone_missing, pointer, shortened
-from server.viewer.camera import Preset
-from server.viewer.palette import Theme
-from server.viewer.playback import PlaybackState
+from server.viewer.exports import DrawStill, add_exports, draw_here
+from server.viewer.playback import Choices
 from server.viewer.proxy import page, pass_on
 from server.viewer.session import Session, Sessions, TooManySessionsError, ViewerLimits
 from server.viewer.source import FrameSource
+from server.viewer.states import OpenedView, ViewChange, ViewRequest, ViewState
 
-__all__ = ["OpenedView", "ViewChange", "ViewRequest", "ViewState", "router"]
-
-_STRICT = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
-
-
-class ViewRequest(BaseModel):
-    """How a new view looks."""
-
-    model_config = _STRICT
-
-    theme: Annotated[Theme, Field(description="Of the page around the view.")] = "light"
-
-
-class OpenedView(BaseModel):
-    """A new viewing session."""
-
-    session: Annotated[str, Field(description="128 random bits.")]
-    url: Annotated[str, Field(description="Page to show in a frame, under this origin.")]
-
-
-class ViewChange(BaseModel):
-    """What should be shown. Fields that are left out stay as they are."""
-
-    model_config = _STRICT
-
-    time: Annotated[float, Field(ge=0.0, le=1e6, description="Time in the run. [s]")] = 0.0
-    playing: Annotated[bool, Field(description="Whether the time runs.")] = False
-    rate: Annotated[
-        float, Field(ge=1e-3, le=10.0, description="Simulated over real seconds.", examples=[0.1])
-    ] = 0.1
-    scale: Annotated[
-        float, Field(ge=0.0, le=1e5, description="Deformation scale.", examples=[500.0])
-    ] = 1.0
-    layers: Annotated[
-        list[Annotated[str, Field(max_length=40)]],
-        Field(max_length=32, description="Names of what is visible, from `available_layers`."),
-    ] = []
-    camera: Annotated[
-        Preset, Field(description="Where to look from; `free` leaves the camera alone.")
-    ] = "overview"
-    theme: Annotated[Theme, Field(description="Of the page around the view.")] = "light"
-
-
-class ViewState(BaseModel):
-    """What is shown now, and what could be."""
-
-    session: str
-    run: str
-    time: Annotated[float, Field(description="Time in the run. [s]")]
-    playing: bool
-    rate: float
-    scale: float
-    layers: list[str]
-    camera: Preset
-    theme: Theme
-    available_layers: list[str]
-    last_time: Annotated[float, Field(description="Time of the last stored frame. [s]")]
-    frame_interval: Annotated[float, Field(description="Time between stored frames. [s]")]
-    done: Annotated[bool, Field(description="Whether no more frames will come.")]
-    clients: Annotated[int, Field(description="Browsers that watch.")]
+__all__ = ["router"]
 
 
 def router(
-    open_reader: Callable[[str], FrameSource], limits: ViewerLimits | None = None
+    open_reader: Callable[[str], FrameSource],
+    limits: ViewerLimits | None = None,
+    draw: DrawStill = draw_here,
 ) -> APIRouter:
     """Routes of the viewer; its sessions end with the application's lifespan.
 
@@ -89,6 +31,7 @@ def router(
         open_reader: Opens the stored result of a run by its id; raises the server's own error
             where there is none or where it has not come to its first step.
         limits: How much the viewer may take.
+        draw: Draws a still, off the event loop and best in another process.
     """
     sessions = Sessions(limits or ViewerLimits())
 
@@ -99,6 +42,7 @@ def router(
 
     routes = APIRouter(lifespan=lifespan, tags=["viewer"])
     _add_resource(routes, sessions, open_reader)
+    add_exports(routes, open_reader, draw)
     _add_page(routes, sessions)
     return routes
 
@@ -122,17 +66,26 @@ def _add_resource(
     @routes.get("/api/v1/viewer/{session_id}")
     def read_view(session_id: str) -> ViewState:
         """What a session shows now."""
-        session = _found(sessions, session_id)
-        return _state(session, session.player.state)
+        return ViewState.of(_found(sessions, session_id))
 
     @routes.put("/api/v1/viewer/{session_id}")
     def change_view(session_id: str, change: ViewChange) -> ViewState:
         """Says what a session shows; fields that are left out stay as they are."""
         session = _found(sessions, session_id)
         changes = change.model_dump(include=change.model_fields_set)
+        run = changes.pop("run", session.run)
+        source = None if run == session.run else _opened(open_reader, run)
+        choices = session.player.choices if source is None else Choices.of(source)
+        _require_possible(change, choices)
         if "layers" in changes:
-            changes["layers"] = _known_layers(session, change.layers)
-        return _state(session, session.change(**changes))
+            changes["layers"] = frozenset(change.layers)
+        if source is not None:
+            session.switch(run, source)
+        if "place" in changes:
+            session.mark(changes.pop("place"))
+        if changes:
+            sessions.change(session, **changes)
+        return ViewState.of(session)
 
     @routes.delete("/api/v1/viewer/{session_id}", status_code=204)
     def close_view(session_id: str) -> None:
@@ -159,17 +112,42 @@ def _found(sessions: Sessions, session_id: str) -> Session:
     return session
 
 
-def _known_layers(session: Session, layers: list[str]) -> frozenset[str]:
-    for index, name in enumerate(layers):
-        if name not in session.player.layers:
-            finding = Finding(
-                pointer=pointer(("layers", index)),
-                value=shortened(name),
-                reason="this run has no such layer",
-                remedy=f"Choose from {', '.join(session.player.layers)}.",
-            )
-            raise Problem(422, "Unusable values", finding.reason, errors=[finding])
-    return frozenset(layers)
+def _opened(open_reader: Callable[[str], FrameSource], run: str) -> FrameSource:
+    """Another run's frames.
+
+    Raises:
+        Problem: 422 that points at the field: there is none, or it has no histories yet.
+    """
+    try:
+        return open_reader(run)
+    except Problem as problem:
+        raise _unusable("run", run, problem.detail, "Choose a run that has begun.") from problem
+
+
+def _require_possible(change: ViewChange, choices: Choices) -> None:
+    """Refuses what the run cannot show.
+
+    Raises:
+        Problem: 422 that points at the field.
+    """
+    for index, name in enumerate(change.layers):
+        if name not in choices.layers:
+            remedy = f"Choose from {', '.join(choices.layers)}."
+            raise _unusable(f"layers/{index}", name, "this run has no such layer", remedy)
+    if change.colour not in choices.colours:
+        reason, remedy = "this run has no such values", f"Choose from {', '.join(choices.colours)}."
+        raise _unusable("colour", change.colour, reason, remedy)
+    if change.mode and change.mode >= choices.modes:
+        reason = f"this run has {choices.modes or 'no'} modes"
+        remedy = f"Choose from 0 to {choices.modes - 1}." if choices.modes else "Leave it out."
+        raise _unusable("mode", change.mode, reason, remedy)
+
+
+def _unusable(field: str, value: object, reason: str, remedy: str) -> Problem:
+    finding = Finding(
+        pointer=pointer(field.split("/")), value=shortened(value), reason=reason, remedy=remedy
+    )
+    return Problem(422, "Unusable values", reason, errors=[finding])
 
 
 def _too_many(detail: str) -> Problem:
@@ -178,24 +156,4 @@ def _too_many(detail: str) -> Problem:
         "Too many 3D views",
         f"{detail} and all are watched. Close one of them, then try again.",
         headers={"Retry-After": "10"},
-    )
-
-
-def _state(session: Session, state: PlaybackState) -> ViewState:
-    player = session.player
-    return ViewState(
-        session=session.id,
-        run=session.run,
-        time=state.time,
-        playing=state.playing,
-        rate=state.rate,
-        scale=state.scale,
-        layers=[name for name in player.layers if name in state.layers],
-        camera=state.camera,
-        theme=state.theme,
-        available_layers=list(player.layers),
-        last_time=player.last,
-        frame_interval=player.interval,
-        done=player.done,
-        clients=session.clients,
     )

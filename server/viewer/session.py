@@ -7,11 +7,15 @@ import logging
 import secrets
 import threading
 import time
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
+
+import numpy as np
+import viser
 
 from server.viewer.guard import start_server, stop_server
 from server.viewer.palette import Theme
+from server.viewer.picking import Ray
 from server.viewer.playback import PlaybackState, Player
 from server.viewer.source import FrameSource
 
@@ -26,11 +30,13 @@ class ViewerLimits:
 
     Attributes:
         sessions: Open at once.
+        streams: That play at once.
         idle: A session without clients ends after this time. [s]
         frame_rate: Most pictures sent in a second. [Hz]
     """
 
     sessions: int = 20
+    streams: int = 5
     idle: float = 60.0
     frame_rate: float = 15.0
 
@@ -40,7 +46,7 @@ class TooManySessionsError(Exception):
 
 
 class Session:
-    """One viewing session of one run.
+    """One viewing session: a viser server that shows one run, and later perhaps another.
 
     It runs in a thread of its own until it is closed, or nobody has watched for a while. Viser's
     server starts in the constructor, which takes some 50 ms: keep it off the event loop.
@@ -64,9 +70,14 @@ class Session:
             raise
         self._wake = threading.Event()
         self._closing = threading.Event()
+        self._drawing = threading.Lock()
         self._lock = threading.Lock()
         self._clients = 0
         self._watched = time.monotonic()
+        self._streams_since = self._watched
+        self._paused, self._told = "", True
+        self._server.scene.on_click()(self._clicked)
+        self._server.on_client_connect(lambda client: self._player.welcome(client))
         self._thread = threading.Thread(target=self._show, name="viewer", daemon=True)
         self._thread.start()
 
@@ -85,11 +96,66 @@ class Session:
         """Whether the session can no longer be watched."""
         return self._closing.is_set()
 
+    @property
+    def streaming(self) -> bool:
+        """Whether pictures go out, or would if somebody watched."""
+        return not self.ended and self._player.state.playing
+
+    @property
+    def streams_since(self) -> float:
+        """When it began to play."""
+        return self._streams_since
+
+    @property
+    def may_play(self) -> bool:
+        """Not before somebody has read why it was paused.
+
+        A dashboard says again and again that it plays; one that has not heard of the pause yet
+        would end it, and another view's pause would answer that.
+        """
+        return self._told
+
     def change(self, **changes: object) -> PlaybackState:
         """Changes fields of the playback state and shows it at once."""
+        if changes.get("playing"):
+            self._paused = ""
+            if not self._player.state.playing:
+                self._streams_since = time.monotonic()
         state = self._player.change(**changes)
         self._wake.set()
         return state
+
+    def mark(self, place: Sequence[float] | None) -> None:
+        """Marks the point nearest to a place, or none.
+
+        Args:
+            place: At rest, (x, y, z). [m]
+        """
+        self._player.mark(place)
+        self._wake.set()
+
+    def pause(self, reason: str) -> None:
+        """Stops the time for a reason that its viewers should read."""
+        self._player.change(playing=False)
+        self._paused, self._told = reason, False
+
+    def tell_pause(self) -> str:
+        """Why it was paused, empty where it was not; from now on it may play again."""
+        self._told = True
+        return self._paused
+
+    def switch(self, run: str, source: FrameSource) -> None:
+        """Shows another run on the same server, to the same clients.
+
+        Args:
+            run: Its name.
+            source: Its frames.
+        """
+        with self._drawing:
+            before = self._player
+            self._player = Player(self._server, source, before.state.theme, before)
+            self.run = run
+        self._wake.set()
 
     @contextlib.contextmanager
     def watched(self) -> Generator[None]:
@@ -110,12 +176,24 @@ class Session:
         self._wake.set()
         self._thread.join(timeout=10.0)
 
+    def _clicked(self, event: viser.SceneClickEvent) -> None:
+        """Viser tells clicks from drags, which move the camera, and gives the ray of a click."""
+        eye = event.client.camera
+        direction = np.array(event.ray_direction)
+        forward = (eye.look_at - eye.position) / np.linalg.norm(eye.look_at - eye.position)
+        begin = eye.near / max(float(direction @ forward), 1e-3)
+        if self._player.pick(
+            Ray(origin=np.array(event.ray_origin), direction=direction, begin=begin)
+        ):
+            self._wake.set()
+
     def _show(self) -> None:
         try:
             while not self._closing.is_set():
                 begun = time.monotonic()
                 if self._clients:
-                    self._player.draw()
+                    with self._drawing:
+                        self._player.draw()
                 elif begun - self._watched > self._limits.idle:
                     break
                 self._rest(begun)
@@ -167,6 +245,20 @@ class Sessions:
         session = self._open.get(session_id)
         return None if session is None or session.ended else session
 
+    def change(self, session: Session, **changes: object) -> PlaybackState:
+        """Changes what a session shows; one that begins to play may pause another.
+
+        Args:
+            session: Which.
+            **changes: Fields of ``PlaybackState``.
+        """
+        with self._lock:
+            if changes.get("playing") and not session.may_play:
+                changes["playing"] = False
+            elif changes.get("playing"):
+                self._make_way(session)
+            return session.change(**changes)
+
     def close(self, session_id: str) -> bool:
         """Closes a session; false where there is none."""
         with self._lock:
@@ -190,6 +282,17 @@ class Sessions:
         with self._lock:
             self._forget_ended()
             return len(self._open)
+
+    def _make_way(self, session: Session) -> None:
+        """Pauses those that have played longest, unwatched ones first."""
+        most = self._limits.streams
+        others = [held for held in self._open.values() if held is not session and held.streaming]
+        others.sort(key=lambda held: (held.clients > 0, held.streams_since))
+        for held in others[: max(0, len(others) + 1 - most)]:
+            held.pause(
+                f"Paused, because another 3D view began to play: at most {most} play at once. "
+                "Press play to go on here."
+            )
 
     def _forget_ended(self) -> None:
         self._open = {key: held for key, held in self._open.items() if not held.ended}

@@ -8,7 +8,7 @@ import numpy as np
 
 from solver.arrays import IntArray, Matrix
 
-__all__ = ["Solid", "axle", "bogie_frame", "carbody", "unit_box", "wheel"]
+__all__ = ["Solid", "axle", "bogie_frame", "carbody", "crossed_bars", "unit_box", "wheel"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +62,22 @@ def axle(radius: float) -> Solid:
 def unit_box() -> Solid:
     """A cube of unit edges about the origin."""
     return _extruded(np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]))
+
+
+def crossed_bars(*, size: float = 0.6) -> Solid:
+    """An upright cross of two bars at 45 degrees, seen from the side: no contact.
+
+    Args:
+        size: Length of a bar. [m]
+    """
+    box, turn = unit_box(), float(np.sqrt(0.5))
+    bar = box.vertices * np.array([size, 0.06, 0.09])
+    x, y, z = bar.T
+    arms = [np.column_stack((turn * (x - s * z), y, turn * (s * x + z))) for s in (1.0, -1.0)]
+    return Solid(
+        vertices=np.concatenate(arms),
+        triangles=np.concatenate([box.triangles, box.triangles + len(box.vertices)]),
+    )
 
 
 def bogie_frame() -> Solid:

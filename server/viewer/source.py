@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 
 from solver.arrays import Matrix, Vector
-from solver.results import Frame, RunPlan
+from solver.results import Frame, RunPlan, SlabPeaks
 
 __all__ = ["FrameSource", "WheelHistory"]
 
@@ -37,12 +37,21 @@ class FrameSource(Protocol):
         """Whether no more frames will come."""
         ...
 
+    @property
+    def summary(self) -> Mapping[str, Any] | None:
+        """Once the run has ended; names the modes of a modal one."""
+        ...
+
     def frame(self, index: int) -> Frame:
         """Displaced state of one frame."""
         ...
 
     def channel_rows(self, names: Sequence[str], start: int, stop: int) -> Matrix:
         """Samples ``start`` to ``stop`` of some channels, shape (n_sample, n_name)."""
+        ...
+
+    def slab_peaks(self) -> SlabPeaks | None:
+        """Greatest |acceleration| of every slab point, once the run has ended."""
         ...
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -30,7 +31,12 @@ class Surface:
 
     def placed(self, vertices: Matrix) -> Matrix:
         """This layer's vertices among all of a picture, shape (n_used, 3). [m]"""
-        return vertices[self.vertices] + self.offsets
+        own = vertices.take(self.vertices, axis=0)
+        return own + self.offsets if self._shifted else own
+
+    @cached_property
+    def _shifted(self) -> bool:
+        return bool(self.offsets.any())
 
 
 def surface_of(layer: Layer) -> Surface:

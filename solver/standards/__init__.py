@@ -11,10 +11,15 @@ from solver.standards.deck_acceleration import (
     under_ballast,
 )
 from solver.standards.low_pass import FILTER_TEXT, low_pass
+from solver.standards.passenger_comfort import CarPeak, Comfort, ComfortLevel, passenger_comfort
+from solver.standards.slab_peaks import slab_peaks
 from solver.standards.verdict import NamedPeak, Peak, Place, Scope, SpanPeak, Verdict, worst
 
 __all__ = [
     "FILTER_TEXT",
+    "CarPeak",
+    "Comfort",
+    "ComfortLevel",
     "CutOff",
     "Fastening",
     "NamedPeak",
@@ -27,6 +32,8 @@ __all__ = [
     "decide",
     "eurocode_cut_off",
     "low_pass",
+    "passenger_comfort",
+    "slab_peaks",
     "under_ballast",
     "worst",
 ]

@@ -2,22 +2,21 @@
 
 The deciding value is the greatest magnitude, after the low-pass filter, over every slab point under
 the ballast of the spans whose neighbours are modelled too, from the first axle's arrival onwards.
-Histories come in blocks of points, so that memory stays bounded.
+``slab_peaks`` finds these values from the histories.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from solver.arrays import BoolVector, IntVector, Matrix, Vector
+from solver.arrays import BoolVector, Matrix, Vector
 from solver.data import load
-from solver.errors import InputError, UnstableError
-from solver.results import SlabPoints
-from solver.standards.low_pass import FILTER_TEXT, low_pass
+from solver.errors import InputError
+from solver.results import SlabPeaks, SlabPoints
+from solver.standards.low_pass import FILTER_TEXT
 from solver.standards.verdict import NamedPeak, Peak, Place, Scope, SpanPeak, Verdict
 from solver.standards.wording import deck_notes, deck_statement
 from solver.units import Units
@@ -102,11 +101,9 @@ def under_ballast(coordinates: Matrix, half_width: float = BALLAST_HALF_WIDTH) -
 
 
 def decide(
-    blocks: Iterable[tuple[IntVector, Matrix]],
+    peaks: SlabPeaks,
     *,
     slab: SlabPoints,
-    times: Vector,
-    window_start: float,
     cut_off: CutOff,
     scope: Scope,
     fastening: Fastening = "ballasted",
@@ -117,11 +114,8 @@ def decide(
     """Judges one run.
 
     Args:
-        blocks: Pairs of point indices, shape (n_block,), and their raw accelerations, shape
-            (n_step, n_block) [m/s2]; together they hold every point once, in any order.
+        peaks: Greatest accelerations of the points, raw and filtered.
         slab: The points under the track, their spans and names.
-        times: Shape (n_step,): of the samples, evenly spaced. [s]
-        window_start: Peaks count from this time: the first axle's arrival. [s]
         cut_off: The filter's cut-off and its origin.
         scope: Train, speed, irregularity and mesh level of the run.
         fastening: How the track lies on the deck: it sets the limit.
@@ -133,14 +127,12 @@ def decide(
         The verdict.
 
     Raises:
-        InputError: The blocks do not hold every point once, no point is judged, or no sample lies
-            in the window.
-        UnstableError: A history holds something that is not a number.
+        InputError: No point is judged, or there are no filtered peaks.
 
     References:
         EN 1990:2002/A1 A2.4.4.2.1(4).
     """
-    peaks = _peaks(blocks, slab, times, window_start, cut_off.frequency)
+    points = _PointPeaks.of(peaks)
     judged = np.isin(slab.span, np.asarray(slab.judged_spans))
     if not np.any(judged):
         raise InputError(
@@ -150,8 +142,8 @@ def decide(
             "Model the neighbours of at least one span.",
         )
     rule = load("standards")[f"deck_acceleration_{fastening}"]
-    deciding, raw = peaks.greatest(slab, judged)
-    spans = peaks.by_span(slab)
+    deciding, raw = points.greatest(slab, judged)
+    spans = points.by_span(slab)
     limit = float(rule["value"])
     return Verdict(
         rule="deck acceleration",
@@ -173,7 +165,7 @@ def decide(
         ),
         notes=deck_notes(scope, spans, line_speed, highest_speed, bearings_in_tension),
         raw=raw,
-        points=peaks.by_name(slab),
+        points=points.by_name(slab),
         spans=spans,
     )
 
@@ -186,6 +178,19 @@ class _PointPeaks:
     filtered_time: Vector
     raw: Vector
     raw_time: Vector
+
+    @classmethod
+    def of(cls, peaks: SlabPeaks) -> _PointPeaks:
+        if peaks.filtered is None or peaks.filtered_time is None:
+            raise InputError(
+                "peaks.filtered", None, "is missing", "Give the filter's cut-off to slab_peaks."
+            )
+        return cls(
+            filtered=peaks.filtered,
+            filtered_time=peaks.filtered_time,
+            raw=peaks.raw,
+            raw_time=peaks.raw_time,
+        )
 
     def at(self, slab: SlabPoints, index: int, *, filtered: bool) -> Peak:
         value = self.filtered if filtered else self.raw
@@ -227,60 +232,6 @@ class _PointPeaks:
             )
             for name, index in slab.named.items()
         )
-
-
-def _peaks(
-    blocks: Iterable[tuple[IntVector, Matrix]],
-    slab: SlabPoints,
-    times: Vector,
-    window_start: float,
-    cut_off: float,
-) -> _PointPeaks:
-    """Filters block by block and keeps each point's peak inside the window."""
-    n_point = len(slab.coordinates)
-    # Half a step of slack: a window that starts on a sample includes it in spite of rounding.
-    time_step = float(times[-1] - times[0]) / max(len(times) - 1, 1)
-    first = int(np.searchsorted(times, window_start - 0.5 * time_step))
-    if len(times) < 2 or first >= len(times):
-        raise InputError(
-            "window_start",
-            window_start,
-            f"no sample lies in the window: the run ends at t = {times[-1]:.4g} s",
-            "Let the run last until the train has crossed.",
-        )
-    peaks = _PointPeaks(
-        filtered=np.zeros(n_point),
-        filtered_time=np.zeros(n_point),
-        raw=np.zeros(n_point),
-        raw_time=np.zeros(n_point),
-    )
-    seen = np.zeros(n_point, dtype=np.int64)
-    for indices, history in blocks:
-        _check_finite(history, times)
-        seen[indices] += 1
-        filtered = low_pass(history, time_step, cut_off)[first:]
-        for magnitude, value, time in (
-            (np.abs(filtered), peaks.filtered, peaks.filtered_time),
-            (np.abs(history[first:]), peaks.raw, peaks.raw_time),
-        ):
-            step = np.argmax(magnitude, axis=0)
-            value[indices] = magnitude[step, np.arange(magnitude.shape[1])]
-            time[indices] = times[first + step]
-    if np.any(seen != 1):
-        raise InputError(
-            "blocks",
-            int(np.flatnonzero(seen != 1)[0]),
-            "this slab point's history is missing or comes twice",
-            "Hand every point over in exactly one block.",
-        )
-    return peaks
-
-
-def _check_finite(history: Matrix, times: Vector) -> None:
-    """A history with NaN has no peak: its verdict would read as within the limit."""
-    finite = np.all(np.isfinite(history), axis=1)
-    if not np.all(finite):
-        raise UnstableError(float(times[int(np.argmin(finite))]), "the slab acceleration")
 
 
 def _place(slab: SlabPoints, index: int) -> Place:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import cast
 
 import numpy as np
@@ -11,10 +11,13 @@ import numpy as np
 from solver.arrays import IntVector, Matrix, Vector
 from solver.irregularities import describe
 from solver.models.beam_bridge import BeamBridge
-from solver.results import RunPlan
+from solver.models.train import ArticulatedTrain
+from solver.results import RunPlan, SlabPeaks
 from solver.simulation import Extremes
 from solver.standards.deck_acceleration import CutOff, decide, eurocode_cut_off
 from solver.standards.low_pass import low_pass
+from solver.standards.passenger_comfort import CarPeak, passenger_comfort
+from solver.standards.slab_peaks import slab_peaks
 from solver.standards.verdict import Scope, Verdict
 from solver.studies.study import Study
 
@@ -37,6 +40,8 @@ class Assessment:
         filtered: Low-pass filtered acceleration of each named point and of the "deciding point",
             shape (n_sample,). [m/s2]
         peaks: Extremes of each channel since the window opened, plain JSON.
+        slab_peaks: Greatest accelerations of the slab's points.
+        comfort: Of the passengers, plain JSON; None of a train without cars.
     """
 
     verdicts: tuple[dict[str, object], ...]
@@ -44,6 +49,8 @@ class Assessment:
     cut_off: float
     filtered: dict[str, Vector]
     peaks: dict[str, dict[str, float]]
+    slab_peaks: SlabPeaks
+    comfort: dict[str, object] | None
 
 
 def assess(
@@ -66,7 +73,18 @@ def assess(
         The assessment.
     """
     peaks = _peaks(plan, extremes)
-    if isinstance(study.viaduct, BeamBridge):
+    comfort = _comfort(study, peaks)
+    judged = not isinstance(study.viaduct, BeamBridge)
+    cut_off = _cut_off(study, plan) if judged else None
+    greatest = slab_peaks(
+        slab_blocks(),
+        n_point=len(plan.slab.coordinates),
+        # The times for which the method gives accelerations.
+        times=(np.arange(plan.n_sample) + study.integration.alpha) * plan.time_step,
+        window_start=plan.window_start,
+        cut_off=None if cut_off is None else cut_off.frequency,
+    )
+    if cut_off is None:
         return Assessment(
             verdicts=(),
             unjudged=(
@@ -76,9 +94,10 @@ def assess(
             cut_off=0.0,
             filtered={},
             peaks=peaks,
+            slab_peaks=greatest,
+            comfort=comfort,
         )
-    cut_off = _cut_off(study, plan)
-    verdict = _verdict(study, plan, slab_blocks, cut_off, _bearings_in_tension(plan, extremes))
+    verdict = _verdict(study, plan, greatest, cut_off, _bearings_in_tension(plan, extremes))
     place = verdict.place
     deciding = np.argmin(np.abs(plan.slab.coordinates - (place.x, place.y, place.z)).sum(axis=1))
     points = {**plan.slab.named, "deciding point": int(deciding)}
@@ -92,23 +111,22 @@ def assess(
         cut_off=cut_off.frequency,
         filtered=filtered,
         peaks=peaks,
+        slab_peaks=greatest,
+        comfort=comfort,
     )
 
 
 def _verdict(
     study: Study,
     plan: RunPlan,
-    slab_blocks: SlabBlocks,
+    peaks: SlabPeaks,
     cut_off: CutOff,
     bearings_in_tension: tuple[str, ...],
 ) -> Verdict:
-    """On the deck's acceleration, at the times for which the method gives accelerations."""
-    offset = study.integration.alpha * plan.time_step
+    """On the deck's acceleration."""
     return decide(
-        slab_blocks(),
+        peaks,
         slab=plan.slab,
-        times=np.arange(plan.n_sample) * plan.time_step + offset,
-        window_start=plan.window_start,
         cut_off=cut_off,
         scope=Scope(
             train=study.train.name,
@@ -142,6 +160,34 @@ def _peaks(plan: RunPlan, extremes: Extremes) -> dict[str, dict[str, float]]:
         for index, channel in enumerate(plan.channels)
         if np.isfinite(extremes.least[index])
     }
+
+
+def _comfort(study: Study, peaks: dict[str, dict[str, float]]) -> dict[str, object] | None:
+    """Comfort in the cars of an articulated train."""
+    train = study.train
+    if not isinstance(train, ArticulatedTrain):
+        return None
+    types = {vehicle.name: vehicle for vehicle in train.vehicle_types}
+    alone = [types[name].articulation == "none" for name in train.consist]
+    cars = [
+        _car_peak(f"carbody {number:02d}", peaks, passengers=all(alone) or not powered)
+        for number, powered in enumerate(alone, start=1)
+    ]
+    found = [car for car in cars if car is not None]
+    if not any(car.passengers for car in found):
+        return None
+    return asdict(passenger_comfort(found))
+
+
+def _car_peak(name: str, peaks: dict[str, dict[str, float]], *, passengers: bool) -> CarPeak | None:
+    """Greatest magnitude of a car's acceleration; None where it has no sample in the window."""
+    peak = peaks.get(f"{name}/acceleration")
+    if peak is None:
+        return None
+    side = "greatest" if peak["greatest"] >= -peak["least"] else "least"
+    return CarPeak(
+        name=name, peak=abs(peak[side]), time=peak[f"time_of_{side}"], passengers=passengers
+    )
 
 
 def _bearings_in_tension(plan: RunPlan, extremes: Extremes) -> tuple[str, ...]:

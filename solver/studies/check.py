@@ -4,15 +4,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from solver.irregularities import IsolatedDefect
 from solver.models.ballasted_track import TrackProperties
+from solver.studies.advice import warnings
 from solver.studies.bounds import Finding, violations
 from solver.studies.crossing import crossing, train_length
 from solver.studies.estimate import Estimate, estimate
-from solver.studies.rules import relations, warnings
-from solver.studies.study import Study
+from solver.studies.resonance import (
+    SpanFrequency,
+    first_frequency,
+    regular_spacing,
+    resonance_speeds,
+)
+from solver.studies.rules import relations
+from solver.studies.study import JobKind, Study
 from solver.units import Unit, Units
 
 __all__ = ["Quantity", "Report", "check"]
+
+DEFECT_REACH = 3.0
+"""Three of its widths 1/k from its top a defect is 1 percent of its height."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,24 +58,35 @@ class Report:
     estimate: Estimate | None
 
 
-def check(study: Study) -> Report:
+def check(study: Study, kind: JobKind = "crossing", known: SpanFrequency | None = None) -> Report:
     """Checks a study without allocating anything; all errors are found at once.
 
     Relations between fields are looked at once every value is within its own bounds.
+
+    Args:
+        study: The study.
+        kind: What is to be computed of it; a modal analysis needs only the part that it is of.
+        known: The deck's first frequency where it was computed before; None takes a closed form.
+
+    Returns:
+        What is known of it.
     """
-    errors = list(violations(study)) or relations(study)
+    errors = list(violations(study)) or relations(study, kind)
     if errors:
         return Report(errors=tuple(errors), warnings=(), derived={}, estimate=None)
-    return Report(
-        errors=(),
-        warnings=tuple(warnings(study)),
-        derived=_derived(study),
-        estimate=estimate(study),
-    )
+    cost = estimate(study, kind)
+    derived = _derived(study, known) if kind == "crossing" else {}
+    derived["unknowns"] = Quantity(title="Unknowns", value=cost.unknowns, unit=Units.none)
+    return Report(errors=(), warnings=tuple(warnings(study, kind)), derived=derived, estimate=cost)
 
 
-def _derived(study: Study) -> dict[str, Quantity]:
-    """Values that follow from the study."""
+def _derived(study: Study, known: SpanFrequency | None) -> dict[str, Quantity]:
+    """Values that follow from a crossing."""
+    first = known or first_frequency(study)
+    return {**_lengths_and_times(study), **_frequencies(study, first), **_irregularity(study)}
+
+
+def _lengths_and_times(study: Study) -> dict[str, Quantity]:
     extents = [crossing(study, speed) for speed in study.sweep.speeds]
     longest = max(extents, key=lambda extent: extent.n_step)
     duration = longest.n_step * study.integration.time_step
@@ -79,9 +101,63 @@ def _derived(study: Study) -> dict[str, Quantity]:
             unit=Units.length,
         ),
     }
+    if len(study.sweep.speeds) == 1:
+        derived["steps"] = Quantity(title="Time steps", value=longest.n_step, unit=Units.none)
+    else:
+        total = sum(extent.n_step for extent in extents)
+        derived["steps"] = Quantity(title="Time steps of all runs", value=total, unit=Units.none)
+    fastest = max(study.sweep.speeds)
+    derived["wheel_step"] = Quantity(
+        title=f"Way of a wheel in one step at {3.6 * fastest:.4g} km/h",
+        value=fastest * study.integration.time_step,
+        unit=Units.small_length,
+    )
+    return derived
+
+
+def _frequencies(study: Study, first: SpanFrequency) -> dict[str, Quantity]:
+    """The first frequency of the deck, and the speeds that excite it."""
+    derived = {
+        "first_frequency": Quantity(
+            title=f"First frequency of span {first.span}: {first.origin}",
+            value=first.frequency,
+            unit=Units.frequency,
+        )
+    }
+    spacing = regular_spacing(study)
+    if spacing is not None:
+        derived["regular_spacing"] = Quantity(
+            title="Regular distance d of the train's axle groups", value=spacing, unit=Units.length
+        )
+    for order, speed in resonance_speeds(study, first.frequency):
+        derived[f"resonance_{order}"] = Quantity(
+            title=f"Resonance speed f d / {order} at f = {first.frequency:.2f} Hz",
+            value=speed,
+            unit=Units.speed,
+        )
     if isinstance(study.track, TrackProperties):
-        frequency = max(study.sweep.speeds) / study.track.sleeper_spacing
         derived["sleeper_passing"] = Quantity(
-            title="Sleeper-passing frequency", value=frequency, unit=Units.frequency
+            title="Sleeper-passing frequency",
+            value=max(study.sweep.speeds) / study.track.sleeper_spacing,
+            unit=Units.frequency,
         )
     return derived
+
+
+def _irregularity(study: Study) -> dict[str, Quantity]:
+    """How long a defect is, and how often a wheel meets it a second."""
+    defect = study.irregularity
+    if not isinstance(defect, IsolatedDefect):
+        return {}
+    length = 2.0 * DEFECT_REACH / defect.wave_number
+    return {
+        "defect_length": Quantity(
+            title="Length of the defect, to 1 percent of its height", value=length,
+            unit=Units.length,
+        ),
+        "defect_frequency": Quantity(
+            title="Frequency at which a wheel feels the defect",
+            value=max(study.sweep.speeds) / length,
+            unit=Units.frequency,
+        ),
+    }  # fmt: skip

@@ -1,4 +1,4 @@
-"""The extent of a crossing: where the train starts, where the path ends, how many steps."""
+"""The extent of a crossing, or of what a modal analysis looks at, and how many steps it takes."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from solver.studies.study import Study
 
 __all__ = [
     "PATH_MARGIN",
+    "RAIL_BEYOND",
+    "TRACK_BAYS",
     "Crossing",
     "crossing",
     "element_length",
@@ -25,6 +27,10 @@ __all__ = [
 
 PATH_MARGIN = 20.0
 """No path end is nearer to a wheel than this. [m]"""
+RAIL_BEYOND = 12.0
+"""Approach track that a modal analysis keeps on either side of the structure. [m]"""
+TRACK_BAYS = 30
+"""Sleeper bays of a track whose modes are found."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from solver.factorisation import back_end_name
@@ -13,8 +13,8 @@ from solver.models.rails import ELEMENTS_PER_BAY
 from solver.models.structure import estimate_unknowns
 from solver.models.train import SprungMasses
 from solver.models.viaduct import ViaductProperties
-from solver.studies.crossing import crossing, train_axles
-from solver.studies.study import Study
+from solver.studies.crossing import RAIL_BEYOND, TRACK_BAYS, crossing, structure_ends, train_axles
+from solver.studies.study import JobKind, Study
 
 __all__ = ["Estimate", "Unknowns", "estimate", "structure_unknowns", "unknowns"]
 
@@ -22,6 +22,10 @@ __all__ = ["Estimate", "Unknowns", "estimate", "structure_unknowns", "unknowns"]
 _MODEL_BYTES = 5_000
 """What runs share, for each unknown of the structure: measured 80 and 550 MB on the coarse and the
 standard mesh. [B]"""
+
+
+_FRAME_BYTES = 20
+"""Of a vertex in a frame: three displacements, a velocity, an acceleration. [B]"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,8 +100,18 @@ def structure_unknowns(viaduct: ViaductProperties, track: TrackProperties, level
     return int(estimate_unknowns(viaduct, track, level))
 
 
-def estimate(study: Study) -> Estimate:
-    """Cost of a study whose values are within their bounds."""
+def estimate(study: Study, kind: JobKind = "crossing") -> Estimate:
+    """Cost of a study whose values are within their bounds.
+
+    Args:
+        study: The study.
+        kind: What is computed.
+    """
+    return _crossings(study) if kind == "crossing" else _modes(study)
+
+
+def _crossings(study: Study) -> Estimate:
+    """Of all runs of the sweep."""
     steps, seconds, disk, memory, size, model = 0, 0.0, 0, 0, 0, 0
     for speed in study.sweep.speeds:
         extent = crossing(study, speed)
@@ -116,6 +130,43 @@ def estimate(study: Study) -> Estimate:
         memory_bytes=memory,
         disk_bytes=disk + model,
     )
+
+
+def _modes(study: Study) -> Estimate:
+    """Of a modal analysis, as measured with 24 and 200 modes on the coarse and standard mesh."""
+    n_dof, n_vertex = _modal_size(study)
+    count = min(study.modes.count, n_dof)
+    size = n_dof / 1e5
+    slower = 4.0 if _is_superlu() else 1.0
+    # The train's dense matrices, and the bed of the approach track, take their time at any count.
+    fixed = {"viaduct": 0.3, "track": 1.5, "train": 0.3}[study.modes.part]
+    return Estimate(
+        runs=1,
+        steps=1,
+        unknowns=n_dof,
+        seconds=fixed + slower * (2.1 * size + 0.19 * size**1.2 * count),
+        memory_bytes=int(250e6 + 7.3e3 * n_dof + 30.0 * n_dof * count),
+        disk_bytes=int(500e3 + 12.0 * n_vertex * count),
+    )
+
+
+def _modal_size(study: Study) -> tuple[int, int]:
+    """Unknowns and drawn vertices of the part whose modes are asked for."""
+    if study.modes.part == "train":
+        return _train_unknowns(study), 0
+    if study.modes.part == "track":
+        per_bay = 2 * ELEMENTS_PER_BAY[study.mesh_level] + 1
+        return TRACK_BAYS * per_bay, 4 * TRACK_BAYS * (ELEMENTS_PER_BAY[study.mesh_level] + 1)
+    begin, end = structure_ends(study)
+    count = unknowns(replace(study, train=SprungMasses()), end - begin + 2.0 * RAIL_BEYOND)
+    return count.structure + count.rails, _vertices(study, count)
+
+
+def _vertices(study: Study, count: Unknowns) -> int:
+    """Vertices of the drawn structure."""
+    if isinstance(study.viaduct, BeamBridge):
+        return 2 * _beam_nodes(study.viaduct)
+    return count.structure // 2 + 200
 
 
 def _is_superlu() -> bool:
@@ -141,11 +192,10 @@ def _disk(study: Study, count: Unknowns, n_step: int) -> int:
     if isinstance(study.viaduct, BeamBridge):
         n_channel = 2 * len(study.viaduct.spans) + 4 * train_axles(study)
         n_point = _beam_nodes(study.viaduct)
-        n_vertex = 2 * n_point
     else:
         n_channel = 4 * train_axles(study) + 120
         n_point = count.structure // 30 + 60
-        n_vertex = count.structure // 2 + 200
     step = study.integration.time_step
     n_frame = n_step / max(1.0, study.outputs.frame_interval / step)
-    return int((8 * (n_channel + 1) + 4 * n_point) * n_step + 12 * n_vertex * n_frame)
+    frame = _FRAME_BYTES * _vertices(study, count)
+    return int((8 * (n_channel + 1) + 4 * n_point) * n_step + frame * n_frame)

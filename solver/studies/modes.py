@@ -1,154 +1,154 @@
-"""Modal analysis of a viaduct with its track and rails (or of plain beams)."""
+"""Modal analysis of a viaduct, of a track or of a train, stored like a history of shapes."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from solver.arrays import Matrix, Vector
-from solver.errors import InputError
-from solver.modal import deck_points, global_shapes, identify, modes, rayleigh_damping_ratios
-from solver.models.beam_bridge import BeamBridge, beam_bridge_line
-from solver.models.viaduct import ViaductProperties
-from solver.studies.crossing import Crossing, structure_ends
-from solver.studies.scene import Scene, StageListener, build_scene
+from solver.results import ChannelSpec, Frame, RunPlan, Sample, SlabPoints
+from solver.studies.modal_shapes import PartModes
+from solver.studies.scene import StageListener
 from solver.studies.study import Study
-from solver.system.assembled import AssembledTrack, assemble_track
+from solver.studies.track_modes import track_modes
+from solver.studies.train_modes import train_modes
+from solver.studies.viaduct_modes import viaduct_modes
+from solver.units import Units
 
-__all__ = ["ViaductModes", "modal_analysis", "viaduct_modes"]
+__all__ = ["ModalRun", "modal_analysis", "modal_run"]
 
-_COUNT = 24
-_RAIL_BEYOND = 12.0
-"""Approach track kept on either side of the structure. [m]"""
+_FINDERS: dict[str, Callable[[Study, StageListener], PartModes]] = {
+    "viaduct": viaduct_modes,
+    "track": track_modes,
+    "train": train_modes,
+}
 
 
 @dataclass(frozen=True, kw_only=True)
-class ViaductModes:
-    """Modes of a viaduct with track and rails.
+class ModalRun:
+    """A modal analysis in the form of a run.
 
     Attributes:
-        frequencies: Shape (n_mode,). [Hz]
-        damping: Damping ratios, shape (n_mode,). [1]
-        shapes: Shape (n_dof, n_mode), structure first, then rails.
-        scene: The models.
-        track: The assembled matrices.
+        plan: As a crossing's; ``modal`` is set, and sample k is the shape of mode k (from 0).
+        summary: Plain JSON: ``{"modes": [{"number", "frequency" [Hz], "damping" [1], "name",
+            "assurance"}], "facts": {...}}``.
+        found: The modes.
     """
 
-    frequencies: Vector
-    damping: Vector
-    shapes: Matrix
-    scene: Scene
-    track: AssembledTrack
+    plan: RunPlan
+    summary: dict[str, Any]
+    found: PartModes
+
+    def samples(self) -> Iterator[Sample]:
+        """One sample and frame a mode; the greatest displacement of each is 1, and upwards where
+        it is vertical."""
+        for mode in range(self.plan.n_sample):
+            yield _sample(self.found, mode)
 
 
-def viaduct_modes(study: Study, report: StageListener, count: int = _COUNT) -> ViaductModes:
-    """Modes of the study's viaduct, rails and pads included.
+def modal_run(study: Study, report: StageListener = lambda stage: None) -> ModalRun:
+    """Finds the modes of the part that ``study.modes`` names.
 
     Args:
-        study: The study; train and speeds do not matter.
+        study: The study; ``check(study, "modes")`` says what of it matters.
         report: Told each stage.
-        count: Number of modes.
 
     Returns:
-        The modes.
+        The modes, ready to be stored.
+
+    Raises:
+        InputError: The part cannot be built.
+        SingularSystemError: It can move without resistance.
     """
-    begin, end = structure_ends(study)
-    extent = Crossing(
-        start=0.0,
-        path_start=begin - _RAIL_BEYOND,
-        path_end=end + _RAIL_BEYOND,
-        n_step=0,
+    found = _FINDERS[study.modes.part](study, report)
+    facts: dict[str, object] = {
+        "part": study.modes.part,
+        "unknowns": int(found.shapes.shape[0]),
+        "damping": "damping ratios are the diagonal of the modal damping matrix",
+        **found.facts,
+    }
+    plan = RunPlan(
+        n_step=found.frequencies.size - 1,
+        time_step=1.0,
+        speed=0.0,
+        start_position=0.0,
         window_start=0.0,
-        approach_needed=0.0,
-    )
-    scene = build_scene(study, extent, 1.0, report)
-    report("finding the modes")
-    track = assemble_track(scene.system)
-    frequencies, shapes = modes(track.stiffness, track.mass, count)
-    damping = rayleigh_damping_ratios(shapes, track.mass, track.damping, track.stiffness)
-    return ViaductModes(
-        frequencies=frequencies, damping=damping, shapes=shapes, scene=scene, track=track
-    )
+        channels=tuple(
+            ChannelSpec(
+                name=f"{name}/displacement", unit=Units.none, group="wheel",
+                title=f"Shape of the mode at {name}",
+            )
+            for name in found.geometry.wheels.names
+        ),
+        slab=SlabPoints(
+            coordinates=np.zeros((0, 3)), span=np.zeros(0, np.int64), judged_spans=(), named={}
+        ),
+        geometry=found.geometry,
+        frame_stride=1,
+        facts=facts,
+        modal=True,
+    )  # fmt: skip
+    return ModalRun(plan=plan, summary={"modes": _entries(found), "facts": facts}, found=found)
 
 
 def modal_analysis(study: Study, report: StageListener = lambda stage: None) -> dict[str, Any]:
     """Modal analysis as plain JSON: frequencies, damping, what each mode looks like.
 
     Args:
-        study: The study; train and speeds do not matter.
+        study: The study; ``study.modes`` says of what, and how many.
         report: Told each stage.
 
     Returns:
-        ``{"modes": [{"number", "frequency", "damping", "name", "assurance"}], "facts": {...}}``.
+        The ``summary`` of ``ModalRun``.
     """
-    if isinstance(study.viaduct, BeamBridge):
-        return _beam_modes(study.viaduct)
-    found = viaduct_modes(study, report)
-    report("identifying the modes")
-    names, likeness = identified(found, study)
-    facts = {
-        "mesh_level": study.mesh_level,
-        "unknowns": int(found.track.mass.shape[0]),
-        "assumption": "damping ratios are the diagonal of the modal damping matrix",
-    }
-    entries = _entries(found.frequencies, found.damping, names, likeness)
-    return {"modes": entries, "facts": facts}
+    return modal_run(study, report).summary
 
 
-def _entries(
-    frequencies: Vector, damping: Vector, names: dict[int, str], likeness: dict[int, float]
-) -> list[dict[str, Any]]:
+def _entries(found: PartModes) -> list[dict[str, Any]]:
     """The table of modes as plain JSON; modes that look like nothing known have no name."""
     return [
         {
             "number": index + 1,
-            "frequency": float(frequencies[index]),
-            "damping": float(damping[index]),
-            "name": names.get(index, ""),
-            "assurance": likeness.get(index, 0.0),
+            "frequency": float(found.frequencies[index]),
+            "damping": float(found.damping[index]),
+            "name": found.names.get(index, ""),
+            "assurance": found.likeness.get(index, 0.0),
         }
-        for index in range(frequencies.size)
+        for index in range(found.frequencies.size)
     ]
 
 
-def identified(found: ViaductModes, study: Study) -> tuple[dict[int, str], dict[int, float]]:
-    """Names of the modes that look like a global shape, and their MAC with it."""
-    structure, viaduct = found.scene.structure, study.viaduct
-    assert structure is not None
-    assert isinstance(viaduct, ViaductProperties)
-    points = deck_points(
-        structure.node_coordinates,
-        structure.slab_nodes,
-        structure.span_of_slab_node,
-        structure.bearing_positions,
-        structure.bearing_span,
-        viaduct.wall_position,
+def _sample(found: PartModes, mode: int) -> Sample:
+    """A mode's shape as a sample with its frame."""
+    shape = found.shapes[:, mode]
+    surface = np.asarray(found.surface @ shape).reshape(-1, 3)
+    wheels = np.asarray(found.wheels @ shape)
+    bodies = np.asarray(found.bodies @ shape).reshape(-1, 3)
+    scale = _scale(surface, wheels, _edges(found, bodies))
+    return Sample(
+        step=mode,
+        time=float(mode),
+        channels=wheels / scale,
+        slab=np.zeros(0),
+        frame=Frame(displacement=surface / scale, bodies=bodies / scale),
     )
-    targets = global_shapes(len(viaduct.spans))
-    own = found.shapes[: found.track.n_structure]
-    chosen, likeness = identify(own, structure.displacement_operator, points, targets)
-    names: dict[int, str] = {}
-    best: dict[int, float] = {}
-    for target, mode, criterion in zip(targets, chosen.tolist(), likeness.tolist(), strict=True):
-        if criterion >= best.get(mode, 0.8):
-            names[mode], best[mode] = target.name, criterion
-    return names, best
 
 
-def _beam_modes(bridge: BeamBridge) -> dict[str, Any]:
-    """Modes of plain beams."""
-    line = beam_bridge_line(bridge, -1.0, bridge.length + 1.0)
-    free = np.flatnonzero(line.free.ravel())
-    stiffness = line.stiffness[free][:, free]
-    count = min(12, free.size - 2)
-    if count < 1:
-        raise InputError(
-            "viaduct.elements_per_span", bridge.elements_per_span, "leaves no modes", "Use more."
-        )
-    mass = line.mass[free][:, free]
-    frequencies, shapes = modes(stiffness, mass, count)
-    damping = rayleigh_damping_ratios(shapes, mass, line.damping[free][:, free], stiffness)
-    entries = _entries(frequencies, damping, {}, {})
-    return {"modes": entries, "facts": {"unknowns": int(free.size)}}
+def _edges(found: PartModes, bodies: Matrix) -> Vector:
+    """What bounce, roll and pitch move at the farthest edge of each body's box, with a sign."""
+    sizes = np.array([body.size[:2] for body in found.geometry.bodies]).reshape(-1, 2)
+    bounce, roll, pitch = bodies.T
+    reach = np.abs(bounce) + 0.5 * np.abs(roll) * sizes[:, 1] + 0.5 * np.abs(pitch) * sizes[:, 0]
+    turns = np.where(pitch != 0.0, pitch, roll)
+    return np.copysign(reach, np.where(bounce != 0.0, bounce, turns))
+
+
+def _scale(surface: Matrix, wheels: Vector, edges: Vector) -> float:
+    """The greatest displacement, with the sign that makes it point upwards (or forwards)."""
+    lengths = np.linalg.norm(surface, axis=1)
+    signs = np.sign(surface[:, 2])
+    values = np.concatenate([np.where(signs != 0.0, signs, 1.0) * lengths, wheels, edges])
+    return float(values[np.argmax(np.abs(values))])

@@ -93,6 +93,7 @@ def _prepare(study: Study, run_index: int, report: StageListener, shared: Shared
         geometry=recording.geometry,
         frame_stride=max(1, round(study.outputs.frame_interval / step)),
         facts=facts,
+        frame_motion=True,
     )
     report("factorising and finding the static start")
     return Simulation(

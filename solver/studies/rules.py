@@ -1,4 +1,4 @@
-"""Rules between the fields of a study: what forbids it, and what its user should know."""
+"""Rules between the fields of a study: what forbids it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterator
 
 from solver.errors import InputError
-from solver.factorisation import back_end_name
 from solver.irregularities import IsolatedDefect
 from solver.models.ballasted_track import TrackProperties
 from solver.models.beam_bridge import BeamBridge
@@ -15,40 +14,40 @@ from solver.models.viaduct import ViaductProperties
 from solver.standards.low_pass import DESIGN_FACTOR
 from solver.studies.bounds import Finding
 from solver.studies.crossing import crossing, element_length, train_length
-from solver.studies.estimate import estimate, structure_unknowns
-from solver.studies.study import Study
+from solver.studies.estimate import structure_unknowns
+from solver.studies.study import JobKind, Study
 
-__all__ = ["relations", "warnings"]
+__all__ = ["allowed_time_step", "relations", "rounded_down"]
 
 _SLOWEST = 1e-3
 """Slower trains need no dynamics, and their steps cannot be counted. [m/s]"""
 _HIGHEST_CUT_OFF = 100.0
 """Room for a cut-off that is only known from the modes of the deciding span. [Hz]"""
-_DECAY = 40.0
-"""Way in which the transient of the static start dies out. [m]"""
 _DEFECT_REACH = 4.0
 """Beyond four of its widths 1/k a defect is 3e-4 of its height."""
-_STEPS_PER_WIDTH = 4.0
-"""Steps that a wheel takes over the width 1/k of a defect that it feels as it is."""
 
 Rule = Callable[[Study], Iterator[Finding]]
+"""Looks at one thing."""
 
 
-def relations(study: Study) -> list[Finding]:
-    """Everything that forbids a study whose values are each within their bounds."""
+def relations(study: Study, kind: JobKind = "crossing") -> list[Finding]:
+    """Everything that forbids a study whose values are each within their bounds.
+
+    Args:
+        study: The study.
+        kind: What is computed: a modal analysis only needs the part that it is of.
+    """
+    if kind == "modes":
+        return list(_MODAL_RULES[study.modes.part](study))
     # Parts that do not go together would only set off the rules that follow.
     return list(_parts(study)) or [found for rule in _RULES for found in rule(study)]
 
 
 def _parts(study: Study) -> Iterator[Finding]:
     """Train, viaduct and track that go together and can be built."""
-    if isinstance(study.viaduct, ViaductProperties) != isinstance(study.track, TrackProperties):
-        yield Finding(
-            path=("track", "type"),
-            value=study.track.type,
-            reason=f'does not go with a viaduct of type "{study.viaduct.type}"',
-            remedy='Use "ballasted" with "u_girder", "none" with "beam".',
-        )
+    mismatch = list(_deck(study))
+    if mismatch:
+        yield from mismatch
     elif isinstance(study.viaduct, BeamBridge) and isinstance(study.train, ArticulatedTrain):
         yield Finding(
             path=("train", "type"),
@@ -66,21 +65,39 @@ def _parts(study: Study) -> Iterator[Finding]:
             remedy='Use a train of type "articulated", or a viaduct of type "beam".',
         )
     else:
-        yield from _layout(study)
+        yield from _train_layout(study)
+        yield from _deck_layout(study)
 
 
-def _layout(study: Study) -> Iterator[Finding]:
-    """What the models themselves refuse: an unknown car, a ballast wider than its trough."""
-    builders: list[Callable[[], object]] = [lambda: train_length(study)]
-    if isinstance(study.viaduct, ViaductProperties) and isinstance(study.track, TrackProperties):
-        viaduct, track = study.viaduct, study.track
-        builders.append(lambda: structure_unknowns(viaduct, track, study.mesh_level))
-    for build in builders:
-        try:
-            build()
-        except InputError as error:
-            path = tuple(int(part) if part.isdigit() else part for part in error.field.split("."))
-            yield Finding(path=path, value=error.value, reason=error.reason, remedy=error.remedy)
+def _deck(study: Study) -> Iterator[Finding]:
+    """Viaduct and track that go together."""
+    if isinstance(study.viaduct, ViaductProperties) != isinstance(study.track, TrackProperties):
+        yield Finding(
+            path=("track", "type"),
+            value=study.track.type,
+            reason=f'does not go with a viaduct of type "{study.viaduct.type}"',
+            remedy='Use "ballasted" with "u_girder", "none" with "beam".',
+        )
+
+
+def _train_layout(study: Study) -> Iterator[Finding]:
+    """What the train's model itself refuses: an unknown car, a hinge that meets no other."""
+    yield from _refusal(lambda: train_length(study))
+
+
+def _deck_layout(study: Study) -> Iterator[Finding]:
+    """What the structure's model itself refuses: a ballast wider than its trough."""
+    viaduct, track = study.viaduct, study.track
+    if isinstance(viaduct, ViaductProperties) and isinstance(track, TrackProperties):
+        yield from _refusal(lambda: structure_unknowns(viaduct, track, study.mesh_level))
+
+
+def _refusal(build: Callable[[], object]) -> Iterator[Finding]:
+    try:
+        build()
+    except InputError as error:
+        path = tuple(int(part) if part.isdigit() else part for part in error.field.split("."))
+        yield Finding(path=path, value=error.value, reason=error.reason, remedy=error.remedy)
 
 
 def _slow(study: Study) -> Iterator[Finding]:
@@ -95,18 +112,39 @@ def _slow(study: Study) -> Iterator[Finding]:
             )
 
 
-def _rounded_down(value: float, digits: int = 3) -> float:
-    """A limit as people read it, never beyond the limit itself."""
+def rounded_down(value: float, digits: int = 3) -> float:
+    """A limit as people read it, never beyond the limit itself.
+
+    Args:
+        value: The limit, positive.
+        digits: Significant digits.
+    """
     unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
     return math.floor(value / unit * (1.0 + 1e-12)) * unit
 
 
+def allowed_time_step(study: Study, steps: float) -> float | None:
+    """The time step in which the fastest wheel takes so many steps over a rail element.
+
+    Args:
+        study: The study.
+        steps: Steps to take over each element.
+
+    Returns:
+        What to use, rounded down; None where the study's own step is short enough. [s]
+    """
+    longest = element_length(study) / (steps * max(study.sweep.speeds))
+    if study.integration.time_step <= longest * (1.0 + 1e-9):
+        return None
+    return rounded_down(longest)
+
+
 def _time_step(study: Study) -> Iterator[Finding]:
     """A wheel must meet every rail element at least twice."""
-    step, length = study.integration.time_step, element_length(study)
-    fastest = max(study.sweep.speeds)
-    if fastest * step > 0.5 * length * (1.0 + 1e-9):
-        allowed = _rounded_down(0.5 * length / fastest)
+    allowed = allowed_time_step(study, 2.0)
+    if allowed is not None:
+        step, length = study.integration.time_step, element_length(study)
+        fastest = max(study.sweep.speeds)
         yield Finding(
             path=("integration", "time_step"),
             value=step,
@@ -132,7 +170,7 @@ def _cut_off(study: Study) -> Iterator[Finding]:
         path=("integration", "time_step"),
         value=study.integration.time_step,
         reason=f"is too long to filter the deck's acceleration at {whose} {frequency:g} Hz",
-        remedy=f"Use at most {_rounded_down(longest, 2):.2g} s"
+        remedy=f"Use at most {rounded_down(longest, 2):.2g} s"
         + (", or a lower cut-off." if chosen else "."),
     )
 
@@ -189,71 +227,26 @@ def _defect(study: Study) -> Iterator[Finding]:
 
 
 _RULES: tuple[Rule, ...] = (_slow, _time_step, _cut_off, _approach, _defect)
+"""Of a crossing, once its parts go together."""
 
 
-def warnings(study: Study) -> list[Finding]:
-    """What a user should know before running a study without errors."""
-    return [
-        found
-        for rule in (_screening_mesh, _slow_back_end, _short_run_in, _short_defect)
-        for found in rule(study)
-    ]
+def _modal_viaduct(study: Study) -> Iterator[Finding]:
+    yield from list(_deck(study)) or _deck_layout(study)
 
 
-def _screening_mesh(study: Study) -> Iterator[Finding]:
-    if study.mesh_level == "coarse" and isinstance(study.viaduct, ViaductProperties):
-        yield Finding(
-            path=("mesh_level",),
-            value="coarse",
-            reason="is a screening mesh",
-            remedy="Confirm the verdict on the standard mesh.",
-        )
-
-
-def _slow_back_end(study: Study) -> Iterator[Finding]:
-    three_dimensional = isinstance(study.viaduct, ViaductProperties)
-    if three_dimensional and study.mesh_level != "coarse" and back_end_name() == "SuperLU":
-        cost = estimate(study)
-        yield Finding(
-            path=("mesh_level",),
-            value=study.mesh_level,
-            reason=(
-                "MKL PARDISO is not installed; with SuperLU this mesh needs about "
-                f"{cost.seconds / 3600.0:.1f} h and {cost.memory_bytes / 1e9:.1f} GB"
-            ),
-            remedy="Use the coarse mesh, or install pypardiso.",
-        )
-
-
-def _short_run_in(study: Study) -> Iterator[Finding]:
-    """Peaks count from the first axle's arrival on the three-dimensional track."""
+def _modal_track(study: Study) -> Iterator[Finding]:
     if not isinstance(study.track, TrackProperties):
-        return
-    needed = study.track.embankment_length + _DECAY
-    if study.extent.run_in < needed:
         yield Finding(
-            path=("extent", "run_in"),
-            value=study.extent.run_in,
-            reason=(
-                f"leaves less than {_DECAY:.0f} m for the start's transient to die out before "
-                f"x = {-study.track.embankment_length:g} m"
-            ),
-            remedy=f"Use {math.ceil(needed)} m or more.",
+            path=("track", "type"),
+            value=study.track.type,
+            reason="has no modes",
+            remedy='Use "ballasted", or ask for the modes of the viaduct or the train.',
         )
 
 
-def _short_defect(study: Study) -> Iterator[Finding]:
-    defect = study.irregularity
-    if not isinstance(defect, IsolatedDefect):
-        return
-    allowed = 1.0 / (_STEPS_PER_WIDTH * defect.wave_number * max(study.sweep.speeds))
-    if study.integration.time_step > allowed:
-        yield Finding(
-            path=("irregularity", "wave_number"),
-            value=defect.wave_number,
-            reason="makes a defect so short that a wheel takes few steps over it",
-            remedy=(
-                f"Use time steps of at most {_rounded_down(allowed, 2):.2g} s to resolve its "
-                "contact forces."
-            ),
-        )
+_MODAL_RULES: dict[str, Rule] = {
+    "viaduct": _modal_viaduct,
+    "track": _modal_track,
+    "train": _train_layout,
+}
+"""Of a modal analysis, by its part."""

@@ -49,7 +49,7 @@ __all__ = ["Shared", "model_key", "source_digest"]
 
 _ORIGIN, _CONTENT = "origin", "content"
 """Names of the two digests in an entry."""
-_OF_ONE_RUN = ("name", "outputs", "sweep", "line_speed", "schema_version")
+_OF_ONE_RUN = ("name", "outputs", "sweep", "modes", "line_speed", "schema_version")
 """Parts of a study that nothing shared depends on."""
 
 

@@ -20,6 +20,8 @@ __all__ = [
     "Contact",
     "Extent",
     "Integration",
+    "JobKind",
+    "Modes",
     "NoTrack",
     "Outputs",
     "Study",
@@ -51,6 +53,10 @@ Viaduct: TypeAlias = ViaductProperties | BeamBridge
 """Every kind of viaduct, told apart by its ``type``."""
 Track: TypeAlias = TrackProperties | NoTrack
 """Every kind of track, told apart by its ``type``."""
+
+
+JobKind: TypeAlias = Literal["crossing", "modes"]
+"""What is computed of a study."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,6 +126,19 @@ class Sweep:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Modes:
+    """What a modal analysis finds; only jobs of kind ``modes`` read it."""
+
+    __pydantic_config__: ClassVar[dict[str, Any]] = _STRICT
+
+    part: Literal["viaduct", "track", "train"] = "viaduct"
+    """The viaduct with its track and rails, the approach track alone, or the train on rigid
+    rails."""
+    count: Annotated[int, Ge(1), Le(200)] = 24
+    """Greatest number of modes, the lowest ones; a small model has fewer."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Study:
     """What a user asks for."""
 
@@ -151,5 +170,7 @@ class Study:
     """What is recorded."""
     sweep: Sweep = field(default_factory=Sweep)
     """Speeds of the runs."""
+    modes: Modes = field(default_factory=Modes)
+    """What a modal analysis finds."""
     line_speed: Annotated[float, Units.speed, Ge(0.0), Le(200.0)] = 0.0
     """Maximum speed of the line at the site; 0 if not stated."""

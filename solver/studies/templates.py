@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from solver.errors import InputError
+from solver.irregularities import IsolatedDefect
 from solver.models.beam_bridge import BeamBridge
 from solver.models.train import SprungMasses, khst
 from solver.models.viaduct import ViaductProperties
-from solver.studies.study import Contact, Extent, Integration, NoTrack, Outputs, Study, Sweep
+from solver.studies.study import (
+    Contact,
+    Extent,
+    Integration,
+    JobKind,
+    Modes,
+    NoTrack,
+    Outputs,
+    Study,
+    Sweep,
+)
 
 __all__ = ["Template", "template", "templates"]
 
@@ -23,12 +34,14 @@ class Template:
         title: What people read.
         description: One or two sentences.
         study: The study, ready to submit.
+        kind: What to compute: a ``crossing`` or ``modes``.
     """
 
     name: str
     title: str
     description: str
     study: Study
+    kind: JobKind = "crossing"
 
 
 def _khst_alverca() -> Template:
@@ -46,6 +59,78 @@ def _khst_alverca() -> Template:
             integration=Integration(time_step=5e-4),
             mesh_level="coarse",
         ),
+    )
+
+
+def _alverca_speed_sweep() -> Template:
+    return Template(
+        name="alverca-speed-sweep",
+        title="Alverca speed sweep",
+        description=(
+            "The same train at 16 speeds from 300 to 450 km/h: the deck's acceleration through "
+            "the resonance v = f d of the 21 m spans (6.5 Hz, bogies every 18.7 m: 437 km/h). "
+            "Coarse screening mesh: about a minute a speed."
+        ),
+        study=replace(
+            _khst_alverca().study,
+            name="Alverca speed sweep",
+            sweep=Sweep(speeds=tuple(speed / 3.6 for speed in range(300, 451, 10))),
+        ),
+    )
+
+
+def _isolated_defect() -> Template:
+    return Template(
+        name="isolated-defect",
+        title="Isolated defect at mid-span 2",
+        description=(
+            "The same train at 350 km/h over a hump of 16 mm on the right rail at mid-span 2: "
+            "wheels leave the rail and strike it again (Neves 2016, equation 7.3). Coarse "
+            "screening mesh: a verdict in a minute."
+        ),
+        study=replace(
+            _khst_alverca().study,
+            name="Isolated defect at mid-span 2",
+            irregularity=IsolatedDefect(amplitude=0.016, position=27.0),
+            sweep=Sweep(speeds=(350.0 / 3.6,)),
+        ),
+    )
+
+
+def _modes(name: str, title: str, description: str, modes: Modes) -> Template:
+    """A modal analysis of a part of the one-click job."""
+    study = replace(_khst_alverca().study, name=title, modes=modes)
+    return Template(name=name, title=title, description=description, study=study, kind="modes")
+
+
+def _viaduct_modes() -> Template:
+    return _modes(
+        "viaduct-modes",
+        "Modes of the viaduct",
+        "Natural frequencies, damping and shapes of the Alverca viaduct with its track and rails "
+        "(Neves 2016, table 7.6). Coarse mesh: some seconds.",
+        Modes(part="viaduct", count=24),
+    )
+
+
+def _train_modes() -> Template:
+    return _modes(
+        "train-modes",
+        "Modes of the train",
+        "All natural frequencies and shapes of the Korean high-speed train on rigid rails, from "
+        "0.69 Hz of the carbodies to 175 Hz of the wheelsets on their contact springs (Neves "
+        "2016, section 6.2).",
+        Modes(part="train", count=200),
+    )
+
+
+def _track_modes() -> Template:
+    return _modes(
+        "track-modes",
+        "Modes of the track",
+        "Natural frequencies and shapes of 30 sleeper bays of the approach track: rail on pads, "
+        "sleepers and ballast.",
+        Modes(part="track", count=60),
     )
 
 
@@ -118,11 +203,33 @@ def _two_span_separation() -> Template:
     )
 
 
+def _two_span_hertz() -> Template:
+    return Template(
+        name="two-span-hertz",
+        title="Two spans and loss of contact, Hertz's law",
+        description=(
+            "The same crossing with Hertz's nonlinear spring between each mass and the beam: "
+            "contact forces without the jumps of the rigid contact."
+        ),
+        study=replace(
+            _two_span_separation().study,
+            name="Two spans and loss of contact, Hertz's law",
+            contact=Contact(law="nonlinear_hertz", unilateral=True),
+        ),
+    )
+
+
 _MAKERS: dict[str, Callable[[], Template]] = {
     "khst-alverca": _khst_alverca,
-    "khst-alverca-standard": _khst_alverca_standard,
+    "alverca-speed-sweep": _alverca_speed_sweep,
+    "isolated-defect": _isolated_defect,
     "sprung-mass-beam": _sprung_mass_beam,
     "two-span-separation": _two_span_separation,
+    "viaduct-modes": _viaduct_modes,
+    "train-modes": _train_modes,
+    "track-modes": _track_modes,
+    "khst-alverca-standard": _khst_alverca_standard,
+    "two-span-hertz": _two_span_hertz,
 }
 
 

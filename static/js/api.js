@@ -3,6 +3,8 @@
 
 /** @typedef {import("./types.js").Finding} Finding */
 /** @typedef {import("./types.js").Study} Study */
+/** @typedef {import("./types.js").FigureFormat} FigureFormat */
+/** @typedef {import("./types.js").FigureQuery} FigureQuery */
 
 const ROOT = "/api/v1";
 
@@ -44,6 +46,20 @@ async function send(method, path, body, signal) {
   return answer;
 }
 
+/**
+ * A text that is no JSON.
+ *
+ * @param {string} path
+ * @returns {Promise<string>}
+ */
+async function sendText(path) {
+  const response = await fetch(path).catch(() => null);
+  if (!response) throw new ApiError(0, { detail: "The server does not answer. Is it still running?" });
+  const text = await response.text();
+  if (!response.ok) throw new ApiError(response.status, parse(text));
+  return text;
+}
+
 /** @param {string} text */
 function parse(text) {
   try {
@@ -61,19 +77,51 @@ function parse(text) {
 const at = (...parts) => [ROOT, ...parts.map(encodeURIComponent)].join("/");
 
 /**
+ * What a figure or picture is asked for, as the end of its address.
+ *
+ * @param {Record<string, any>} query
+ * @param {[string, string][]} [first]
+ */
+function asked({ channels, ...query }, first = []) {
+  const parameters = new URLSearchParams(first);
+  for (const [key, value] of Object.entries(query)) {
+    if (value !== undefined && value !== "") parameters.set(key, String(value));
+  }
+  for (const channel of channels ?? []) parameters.append("channels", channel);
+  const text = parameters.toString();
+  return text ? `?${text}` : "";
+}
+
+/**
  * @param {string} run
  * @param {string} figure
- * @param {"json" | "png" | "svg" | "pdf"} format
- * @param {{ from?: number, to?: number, points?: number, channels?: string[] }} [query]
+ * @param {FigureFormat} format
+ * @param {FigureQuery} [query]
  */
-export function figureUrl(run, figure, format, query = {}) {
-  const parameters = new URLSearchParams();
-  if (query.from !== undefined) parameters.set("from", String(query.from));
-  if (query.to !== undefined) parameters.set("to", String(query.to));
-  if (query.points !== undefined) parameters.set("points", String(query.points));
-  for (const channel of query.channels ?? []) parameters.append("channels", channel);
-  const text = parameters.toString();
-  return `${at("runs", run, "plots", `${figure}.${format}`)}${text ? `?${text}` : ""}`;
+export function runFigureUrl(run, figure, format, query = {}) {
+  return `${at("runs", run, "plots", `${figure}.${format}`)}${asked(query)}`;
+}
+
+/**
+ * @param {string} job
+ * @param {string} figure
+ * @param {FigureFormat} format
+ * @param {FigureQuery} [query]
+ */
+export function jobFigureUrl(job, figure, format, query = {}) {
+  return `${at("jobs", job, "plots", `${figure}.${format}`)}${asked(query)}`;
+}
+
+/**
+ * @param {string[]} runs the first is the baseline
+ * @param {string} figure
+ * @param {FigureFormat} format
+ * @param {FigureQuery} [query]
+ */
+export function compareFigureUrl(runs, figure, format, query = {}) {
+  const { channels, ...rest } = query;
+  const first = [...runs.map((run) => ["run", run]), ...(channels ?? []).map((name) => ["channel", name])];
+  return `${at("compare", "plots", `${figure}.${format}`)}${asked(rest, /** @type {[string, string][]} */ (first))}`;
 }
 
 /**
@@ -84,6 +132,48 @@ export function channelUrl(run, channel) {
   return at("runs", run, "channels", `${channel}.csv`);
 }
 
+/** @param {string} job */
+export const logUrl = (job) => at("jobs", job, "log");
+
+/** The study of a job, as JSON. @param {string} job */
+export const studyUrl = (job) => at("jobs", job, "study");
+
+/** The run with summary and verdicts, as JSON. @param {string} run */
+export const runUrl = (run) => at("runs", run);
+
+/**
+ * A picture of the 3D view, drawn by the server.
+ *
+ * @param {string} run
+ * @param {Record<string, string | number>} look
+ */
+export const stillUrl = (run, look) => `${at("runs", run, "viewer", "still.png")}${asked(look)}`;
+
+/**
+ * The 3D view as one file that opens without the server.
+ *
+ * @param {string} run
+ * @param {Record<string, string | number>} look
+ */
+export const replayUrl = (run, look) => `${at("runs", run, "viewer", "replay.html")}${asked(look)}`;
+
+/**
+ * Entries of the library as a file: all, of one kind, or one.
+ *
+ * @param {string} [kind]
+ * @param {string} [id]
+ */
+export const libraryUrl = (kind, id) => at("library", ...[kind, id].filter((part) => part !== undefined));
+
+/**
+ * A job's report as a file.
+ *
+ * @param {string} job
+ * @param {"html" | "pdf"} format
+ * @param {Record<string, string>} head project, author, date, remark; `preview` to look at it
+ */
+export const reportUrl = (job, format, head) => `${at("jobs", job, `report.${format}`)}${asked(head)}`;
+
 /** @param {string[]} jobs */
 export function eventsUrl(jobs) {
   const parameters = new URLSearchParams(jobs.map((job) => ["job", job]));
@@ -92,6 +182,8 @@ export function eventsUrl(jobs) {
 
 export const api = {
   meta: () => send("GET", at("meta")),
+  /** @returns {Promise<import("./types.js").Machine>} */
+  machine: () => send("GET", at("machine")),
   templates: () => send("GET", at("templates")),
   /** @param {string} address */
   schema: (address) => send("GET", address),
@@ -106,6 +198,77 @@ export const api = {
   jobs: (cursor) => send("GET", `${at("jobs")}${cursor ? `?${new URLSearchParams({ cursor })}` : ""}`),
   /** @param {string} id */
   job: (id) => send("GET", at("jobs", id)),
+  /**
+   * Jobs of some states whose name holds a text.
+   *
+   * @param {{ states: string[], name: string, cursor?: string | null }} filter
+   */
+  findJobs: ({ states, name, cursor }) => {
+    const parameters = new URLSearchParams(states.map((state) => ["state", state]));
+    if (name) parameters.set("name", name);
+    if (cursor) parameters.set("cursor", cursor);
+    return send("GET", `${at("jobs")}?${parameters}`);
+  },
+  /** @param {string} kind @returns {Promise<{ items: import("./types.js").LibraryItem[] }>} */
+  library: (kind) => send("GET", at("library", kind)),
+  wholeLibrary: () => send("GET", at("library")),
+  /**
+   * @param {string} kind
+   * @param {string} id
+   * @returns {Promise<import("./types.js").LibraryItem>}
+   */
+  entry: (kind, id) => send("GET", at("library", kind, id)),
+  /**
+   * @param {string} kind
+   * @param {import("./types.js").LibraryEntry} entry
+   * @returns {Promise<import("./types.js").LibraryItem>}
+   */
+  addEntry: (kind, entry) => send("POST", at("library", kind), entry),
+  /**
+   * @param {string} kind
+   * @param {string} id
+   * @param {import("./types.js").LibraryEntry} entry
+   * @returns {Promise<import("./types.js").LibraryItem>}
+   */
+  changeEntry: (kind, id, entry) => send("PUT", at("library", kind, id), entry),
+  /**
+   * @param {string} kind
+   * @param {string} id
+   */
+  removeEntry: (kind, id) => send("DELETE", at("library", kind, id)),
+  /**
+   * @param {unknown} document as `wholeLibrary` gives it
+   * @returns {Promise<{ items: import("./types.js").LibraryItem[], skipped: string[] }>}
+   */
+  importLibrary: (document) => send("POST", at("library"), document),
+  /**
+   * @param {string[]} runs the first is the baseline
+   * @param {AbortSignal} [signal]
+   * @returns {Promise<import("./types.js").Comparison>}
+   */
+  compare: (runs, signal) => send("GET", `${at("compare")}?${new URLSearchParams(runs.map((run) => ["run", run]))}`, undefined, signal),
+  /** @param {string} id */
+  jobStudy: (id) => send("GET", at("jobs", id, "study")),
+  /** @param {string} id */
+  jobLog: (id) => sendText(logUrl(id)),
+  /** @param {string} id */
+  retry: (id) => send("POST", at("jobs", id, "retry")),
+  /** @param {string} id */
+  clone: (id) => send("POST", at("jobs", id, "clone")),
+  /** @param {string} id */
+  removeJob: (id) => send("DELETE", at("jobs", id)),
+  /**
+   * @param {string} id
+   * @param {number} priority greater ones begin first
+   */
+  prioritise: (id, priority) => send("PATCH", at("jobs", id), { priority }),
+  /** @param {string} run */
+  figures: (run) => send("GET", at("runs", run, "plots")),
+  /**
+   * @param {string} run
+   * @param {number} points
+   */
+  frames: (run, points) => send("GET", `${at("runs", run, "frames")}?points=${points}`),
   /** @param {string} id */
   cancel: (id) => send("POST", at("jobs", id, "cancel")),
   /** @param {string} id */
@@ -115,13 +278,11 @@ export const api = {
   /** @param {string} id */
   channels: (id) => send("GET", at("runs", id, "channels")),
   /**
-   * @param {string} run
-   * @param {string} figure
-   * @param {{ from?: number, to?: number, points?: number, channels?: string[] }} [query]
+   * @param {string} address
    * @param {AbortSignal} [signal]
+   * @returns {Promise<import("./types.js").Figure>}
    */
-  figure: (run, figure, query, signal) =>
-    send("GET", figureUrl(run, figure, "json", query), undefined, signal),
+  figure: (address, signal) => send("GET", address, undefined, signal),
   /**
    * @param {string} run
    * @param {Record<string, unknown>} look

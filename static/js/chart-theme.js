@@ -47,11 +47,23 @@ export function themed(figure, theme, narrow) {
       margin: narrow ? { l: 46, r: 10, t: 8, b: 40 } : { l: 62, r: 18, t: 8, b: 42 },
       legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 12 } },
       hoverlabel: { bgcolor: theme.paper, bordercolor: theme.line, font: { color: theme.ink } },
-      xaxis: { ...axis, ...layout.xaxis },
-      yaxis: { ...axis, ...layout.yaxis },
+      ...axes(layout, axis),
       annotations: layout.annotations.map((/** @type {any} */ note) => placed(note, theme, narrow)),
     },
   };
+}
+
+/**
+ * Every axis of a figure, drawn alike; tiny values get a power of ten that fits the margin.
+ *
+ * @param {any} layout
+ * @param {Record<string, unknown>} look
+ */
+function axes(layout, look) {
+  const names = ["xaxis", "yaxis", ...Object.keys(layout).filter((key) => /^[xy]axis\d+$/.test(key))];
+  return Object.fromEntries(
+    names.map((name) => [name, name.startsWith("x") ? { ...look, ...layout[name] } : { ...look, automargin: true, ...layout[name], exponentformat: "power" }]),
+  );
 }
 
 /**

@@ -1,6 +1,7 @@
 // @ts-check
 /** What is typed and what is stored: display units outside, SI inside. Pure. */
 import { number, unitText } from "./format.js";
+import { condensed, counted, expanded, named } from "./ranges.js";
 
 /** @typedef {import("./schema.js").Field} Field */
 /** @typedef {{ value: any, error?: undefined } | { error: string, value?: undefined }} Entry */
@@ -20,8 +21,9 @@ const tidy = (value) => Number(value.toPrecision(FIGURES));
  */
 export function shown(value, field) {
   if (value === null || value === undefined) return "";
-  if (Array.isArray(value)) return value.map((item) => shown(item, field)).join(", ");
-  if (typeof value !== "number" || field.kind === "integer") return String(value);
+  if (field.kind === "texts") return counted(value);
+  if (Array.isArray(value)) return condensed(value.map((item) => Number(item) * scaleOf(field)));
+  if (typeof value !== "number" || field.whole) return String(value);
   return String(tidy(value * (field.unit?.scale ?? 1)));
 }
 
@@ -34,27 +36,74 @@ export function shown(value, field) {
  * @returns {Entry}
  */
 export function entered(text, field) {
+  if (field.optional && text.trim() === "") return { value: null };
   if (field.kind === "text" || field.kind === "choice") return { value: text };
-  return field.kind === "list" ? list(text, field) : one(text, field);
+  if (field.kind === "texts") return names(text, field);
+  const bare = withoutUnit(text, field);
+  return field.kind === "list" ? list(bare, field) : one(bare, field);
 }
 
 /**
- * Several numbers between commas, semicolons or spaces; decimals with a point.
+ * The text without the unit that stands beside the input anyway.
+ *
+ * @param {string} text
+ * @param {Field} field
+ */
+function withoutUnit(text, { unit }) {
+  const own = [unitText(unit), unit?.display || unit?.symbol || ""].filter((name) => name && name !== "1");
+  const typed = text.trim();
+  const found = own.find((name) => typed.endsWith(name));
+  return found ? typed.slice(0, -found.length) : text;
+}
+
+/**
+ * Several names between commas; "16 × name" is sixteen of them.
+ *
+ * @param {string} text
+ * @param {Field} field
+ * @returns {Entry}
+ */
+function names(text, field) {
+  const value = named(text);
+  if (!value.length) return { error: "Give a name, or several between commas." };
+  return tooMany(value.length, field) ?? { value };
+}
+
+/**
+ * @param {number} count
+ * @param {Field} field
+ */
+function tooMany(count, { most }) {
+  return most !== null && count > most ? { error: `These are ${count} values; give at most ${most}.` } : null;
+}
+
+/**
+ * Several numbers or ranges between commas, semicolons or spaces; decimals with a point, between
+ * semicolons with a comma too.
  *
  * @param {string} text
  * @param {Field} field
  * @returns {Entry}
  */
 function list(text, field) {
-  const parts = text.split(/[,;\s]+/).filter(Boolean);
+  const parts = text
+    .replace(/\s*:\s*/g, ":")
+    .split(text.includes(";") ? /[;\s]+/ : /[,\s]+/)
+    .filter(Boolean);
   if (!parts.length) return { error: "Give a number, or several between commas." };
-  if (field.most !== null && parts.length > field.most) {
-    return { error: `These are ${parts.length} values; give at most ${field.most}.` };
+  /** @type {string[]} */
+  const single = [];
+  for (const part of parts) {
+    const found = part.includes(":") ? expanded(part) : null;
+    if (found?.error !== undefined) return { error: `${part}: ${found.error}` };
+    single.push(...(found?.values.map(String) ?? [part]));
   }
-  const entries = parts.map((part) => one(part, field));
+  const many = tooMany(single.length, field);
+  if (many) return many;
+  const entries = single.map((part) => one(part, field));
   const wrong = entries.findIndex((entry) => entry.error);
   if (wrong < 0) return { value: entries.map((entry) => entry.value) };
-  return { error: parts.length > 1 ? `${parts[wrong]}: ${entries[wrong].error}` : `${entries[0].error}` };
+  return { error: single.length > 1 ? `${single[wrong]}: ${entries[wrong].error}` : `${entries[0].error}` };
 }
 
 /**
@@ -66,8 +115,8 @@ function one(text, field) {
   const typed = text.trim().replace(",", ".").replace("−", "-");
   const value = typed === "" ? Number.NaN : Number(typed);
   if (!Number.isFinite(value)) return { error: "Give a number, for example 0.25." };
-  if (field.kind === "integer" && !Number.isInteger(value)) return { error: "Give a whole number." };
-  const stored = field.kind === "integer" ? value : tidy(value / (field.unit?.scale ?? 1));
+  if (field.whole && !Number.isInteger(value)) return { error: "Give a whole number." };
+  const stored = field.whole ? value : tidy(value / (field.unit?.scale ?? 1));
   const error = outside(stored, field);
   return error ? { error } : { value: stored };
 }
@@ -92,11 +141,21 @@ function outside(value, field) {
  * @param {Field} field
  */
 function bound(value, field) {
-  return `${number(tidy(value * scaleOf(field)), 6)} ${unitText(field.unit)}`.trim();
+  return `${round(value, field)} ${unitText(field.unit)}`.trim();
+}
+
+/**
+ * A bound without zeros that say nothing.
+ *
+ * @param {number} value
+ * @param {Field} field
+ */
+function round(value, field) {
+  return number(tidy(value * scaleOf(field)), 6).replace(/\.?0+e/, "e");
 }
 
 /** @param {Field} field */
-const scaleOf = (field) => (field.kind === "integer" ? 1 : (field.unit?.scale ?? 1));
+const scaleOf = (field) => (field.whole ? 1 : (field.unit?.scale ?? 1));
 
 /**
  * The allowed range in words, empty where there is none.
@@ -109,7 +168,7 @@ export function range(field) {
   const low = minimum === null ? "" : `${field.above ? "more than" : "from"} ${bound(minimum, field)}`;
   const high = maximum === null ? "" : `${field.below ? "less than" : "up to"} ${bound(maximum, field)}`;
   if (!low || !high) return low || high;
-  const plain = number(tidy(/** @type {number} */ (minimum) * scaleOf(field)), 6);
+  const plain = round(/** @type {number} */ (minimum), field);
   return field.above || field.below
     ? `${field.above ? "more than" : "from"} ${plain}, ${high}`
     : `${plain} to ${bound(/** @type {number} */ (maximum), field)}`;

@@ -65,8 +65,8 @@ export class JobEvents {
     this.#source = source;
     source.onopen = () => this.#setConnected(true);
     source.onerror = () => {
-      clearTimeout(this.#timer);
-      this.#timer = setTimeout(() => this.#publish(false), PATIENCE);
+      // From the first failure on: every further attempt fails too, within the patience.
+      this.#timer ??= setTimeout(() => this.#publish(false), PATIENCE);
       if (source.readyState === EventSource.CLOSED) setTimeout(() => this.#open(), RETRY);
     };
     source.addEventListener("job", (event) => {
@@ -86,6 +86,7 @@ export class JobEvents {
   /** @param {boolean} connected */
   #setConnected(connected) {
     clearTimeout(this.#timer);
+    this.#timer = undefined;
     if (this.store.get("connected") !== connected) this.#publish(connected);
   }
 

@@ -12,6 +12,7 @@ const PRETTY = new Map([
   ["kg m2", "kg·m²"],
   ["N s/m", "N·s/m"],
   ["kN s/m", "kN·s/m"],
+  ["MN/m^1.5", "MN/m¹·⁵"],
   ["1", ""],
 ]);
 
@@ -22,7 +23,7 @@ const PRETTY = new Map([
  */
 export function unitText(unit) {
   if (!unit) return "";
-  const symbol = typeof unit === "string" ? unit : unit.display;
+  const symbol = typeof unit === "string" ? unit : unit.display || unit.symbol;
   return PRETTY.get(symbol) ?? symbol;
 }
 
@@ -107,7 +108,8 @@ export function remaining(range) {
  * @param {number | null | undefined} seconds
  */
 export function roughly(seconds) {
-  return typeof seconds === "number" && Number.isFinite(seconds) ? `about ${duration(coarse(seconds))}` : "–";
+  if (typeof seconds !== "number" || !Number.isFinite(seconds)) return "–";
+  return seconds < 1 ? duration(seconds) : `about ${duration(coarse(seconds))}`;
 }
 
 /** @param {number} seconds */

@@ -23,3 +23,41 @@ export function worst(judged) {
   const use = (/** @type {Judged} */ item) => item.verdict.value / item.verdict.limit;
   return judged.reduce((a, b) => (use(b) > use(a) ? b : a));
 }
+
+/**
+ * Whether a job that had ended computes again, as a retry makes it.
+ *
+ * @param {Pick<Job, "state" | "runs">} before
+ * @param {Pick<Job, "state" | "runs">} job
+ */
+export function begunAgain(before, job) {
+  const more = job.runs.some((run, index) => (run.attempt ?? 0) > (before.runs[index]?.attempt ?? 0) || run.state === "queued");
+  return before.state !== "done" && more;
+}
+
+/**
+ * The entries of a log: `time  run 0 (id)  words`, one a line.
+ *
+ * @param {string} text
+ * @returns {{ time: string, run: string, words: string }[]}
+ */
+export function logLines(text) {
+  return text
+    .split("\n")
+    .filter((line) => line.trim())
+    .map((line) => {
+      const [time, who = "", ...words] = line.split("  ");
+      const run = /^run (\d+)/.exec(who);
+      return { time, run: run ? `run ${Number(run[1]) + 1}` : who, words: words.join("  ") };
+    });
+}
+
+/**
+ * The pointer of the input that an error names: `integration.time_step = 0.1: too long.`
+ *
+ * @param {string} detail
+ */
+export function namedField(detail) {
+  const name = /^([a-z_]\w*(?:[.[][\w\]]+)*) = /.exec(detail)?.[1];
+  return name ? `/${name.replace(/\]/g, "").split(/[.[]/).join("/")}` : "";
+}

@@ -7,20 +7,28 @@
 
 /** @typedef {import("./types.js").Study} Study */
 /** @typedef {{ front: number, back: number, power: boolean }} Car extents relative to the first axle [m] */
+/** Depths below the top of the rail. [m] @typedef {{ deck: number, slab: number, soffit: number, ballasted: boolean }} Levels */
 /**
  * @typedef {object} Layout
  * @property {[number, number][]} spans beginning and end of each span [m]
  * @property {Car[]} cars
  * @property {number[]} axles x of each axle less the first [m]
  * @property {number[]} masses x of each sprung mass less the first [m]
- * @property {{ position: number, rail: string }[]} defects
- * @property {number | null} marked the middle of the judged span [m]
+ * @property {{ position: number, rail: string, amplitude: number, width: number }[]} defects width is that of the drawn bell [m]
+ * @property {{ x: number, judged: boolean }[]} points the mid-spans, where histories are recorded
+ * @property {Levels} levels
  */
 
 /** A car's body reaches this far beyond its own outer bogie. [m] */
 const OVERHANG = 3.6;
 /** Half the gap between two cars. [m] */
 const GAP = 0.2;
+/** Height of a 60E1 rail. [m] */
+export const RAIL_HEIGHT = 0.172;
+/** Where wheels roll on the beam itself, its top lies this far below the drawn line. [m] */
+const BEAM_TOP = 0.12;
+/** A beam whose depth nobody states is drawn with this part of its span. */
+const SLENDERNESS = 14;
 
 /**
  * @param {Study} study
@@ -30,14 +38,55 @@ export function layoutOf(study) {
   const spans = spansOf(study.viaduct ?? {});
   const train = study.train ?? {};
   const articulated = train.type === "articulated";
-  const middle = spans.length === 1 ? spans[0] : spans[1];
   return {
     spans,
     ...(articulated ? carsOf(train) : { cars: [], axles: [] }),
     masses: articulated ? [] : massesOf(train),
     defects: defectsOf(study.irregularity),
-    marked: middle ? (middle[0] + middle[1]) / 2 : null,
+    points: pointsOf(spans, study.viaduct),
+    levels: levelsOf(study),
   };
+}
+
+/**
+ * The middle of each span. A deck is judged where its neighbours are modelled too, a lone one as it
+ * stands; plain beams are not judged.
+ *
+ * @param {[number, number][]} spans
+ * @param {any} viaduct
+ */
+function pointsOf(spans, viaduct) {
+  const last = spans.length - 1;
+  return spans.map(([from, to], index) => ({
+    x: (from + to) / 2,
+    judged: viaduct?.type !== "beam" && (last < 2 || (index > 0 && index < last)),
+  }));
+}
+
+/**
+ * A number that can be drawn.
+ *
+ * @param {any} value
+ * @param {number} standard where there is none
+ * @param {number} [most]
+ */
+export function drawable(value, standard, most = 50) {
+  return typeof value === "number" && value > 0 ? Math.min(value, most) : standard;
+}
+
+/**
+ * @param {Study} study
+ * @returns {Levels}
+ */
+export function levelsOf({ viaduct = {}, track = {} }) {
+  if (viaduct.type === "beam" || viaduct.slab_level === undefined) {
+    const span = Math.max(...spansOf(viaduct).map(([from, to]) => to - from));
+    return { deck: BEAM_TOP, slab: 0.35, soffit: BEAM_TOP + Math.min(Math.max(span / SLENDERNESS, 0.8), 3.2), ballasted: track.type !== "none" };
+  }
+  const ballasted = track.type !== "none";
+  const deck = ballasted ? drawable(track.ballast_depth, 0.313, 2) + drawable(track.sleeper_height, 0.23, 1) + RAIL_HEIGHT : BEAM_TOP;
+  const slab = drawable(viaduct.slab_thickness, 0.27, 2);
+  return { deck, slab, soffit: deck + drawable(viaduct.slab_level, 1.335, 10) + slab / 2, ballasted };
 }
 
 /**
@@ -50,21 +99,28 @@ function spansOf(viaduct) {
   const spans = [];
   for (const length of Array.isArray(lengths) ? lengths : [lengths]) {
     const start = spans.length ? spans[spans.length - 1][1] : 0;
-    spans.push([start, start + Number(length)]);
+    if (Number(length) > 0) spans.push([start, start + Number(length)]);
   }
-  return spans;
+  return spans.length ? spans : [[0, 20]];
 }
 
 /** @param {any} train */
 function massesOf(train) {
-  const count = Math.min(Math.max(train.count ?? 1, 1), 40);
-  return Array.from({ length: count }, (_, index) => -index * (train.spacing ?? 20) || 0);
+  const count = Math.round(drawable(train.count, 1, 40));
+  return Array.from({ length: count }, (_, index) => -index * drawable(train.spacing, 20, 1000) || 0);
 }
 
 /** @param {any} irregularity */
 function defectsOf(irregularity) {
   if (!irregularity || !Number.isFinite(irregularity.position)) return [];
-  return [{ position: irregularity.position, rail: irregularity.rail ?? "both" }];
+  return [
+    {
+      position: irregularity.position,
+      rail: irregularity.rail ?? "both",
+      amplitude: Number(irregularity.amplitude) || 0,
+      width: 6 / drawable(irregularity.wave_number, 1.5, 20),
+    },
+  ];
 }
 
 /**
@@ -72,8 +128,9 @@ function defectsOf(irregularity) {
  * @returns {{ cars: Car[], axles: number[] }}
  */
 function carsOf(train) {
-  const types = new Map((train.vehicle_types ?? []).map((/** @type {any} */ type) => [type.name, type]));
-  const consist = (train.consist ?? []).map((/** @type {string} */ name) => types.get(name));
+  const types = new Map((Array.isArray(train.vehicle_types) ? train.vehicle_types : []).map((/** @type {any} */ type) => [type.name, type]));
+  const names = Array.isArray(train.consist) ? train.consist : [];
+  const consist = names.map((/** @type {string} */ name) => types.get(name));
   if (!consist.length || consist.some((/** @type {any} */ type) => !type)) return { cars: [], axles: [] };
   /** @type {number[]} */
   const bogies = [];

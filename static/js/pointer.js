@@ -37,6 +37,16 @@ function keys(pointer) {
     .map((key) => key.replace(/~1/g, "/").replace(/~0/g, "~"));
 }
 
+/**
+ * The pointer of a key inside a place.
+ *
+ * @param {string} pointer
+ * @param {string | number} key
+ */
+export function keyed(pointer, key) {
+  return `${pointer}/${escape(String(key))}`;
+}
+
 /** @param {string} key */
 const escape = (key) => key.replace(/~/g, "~0").replace(/\//g, "~1");
 

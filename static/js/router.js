@@ -35,6 +35,19 @@ export function link(...parts) {
   return `#/${parts.map(encodeURIComponent).join("/")}`;
 }
 
+/** What of the query names another page, not another view of the same one. @type {Record<string, string[]>} */
+const NAMING = { study: ["job"], compare: ["runs"] };
+
+/**
+ * Addresses with the same key show the same page. Pure.
+ *
+ * @param {Route} route
+ */
+export function pageKey(route) {
+  const named = (NAMING[route.name] ?? []).map((key) => `${key}=${route.query.get(key) ?? ""}`);
+  return [route.name, ...route.parts.map(encodeURIComponent), ...named].join("/");
+}
+
 /**
  * Remembers a value in the address without a step in the history.
  *
@@ -50,8 +63,16 @@ export function remember(key, value) {
   history.replaceState(null, "", `${path || "#/"}${text ? `?${text}` : ""}`);
 }
 
-/** @param {(route: Route) => void} open */
+/**
+ * Opens the page of the address now and whenever the address names another one. What `remember`
+ * wrote into the address since counts: a link to the pictures of before opens them again.
+ *
+ * @param {(route: Route) => void} open
+ */
 export function start(open) {
-  addEventListener("hashchange", () => open(parse(location.hash)));
+  addEventListener("hashchange", ({ oldURL }) => {
+    const route = parse(location.hash);
+    if (pageKey(route) !== pageKey(parse(new URL(oldURL).hash))) open(route);
+  });
   open(parse(location.hash));
 }

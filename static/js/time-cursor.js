@@ -6,6 +6,9 @@
 
 /** @typedef {{ time: number, playing: boolean, rate: number }} CursorState */
 
+/** Seconds of the run in a second of the clock, slow motion first. */
+export const RATES = [0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1];
+
 export class TimeCursor extends EventTarget {
   /** @type {number} Least time. [s] */
   start = 0;
@@ -15,6 +18,10 @@ export class TimeCursor extends EventTarget {
   playing = false;
   /** @type {number} Seconds of the run in a second of the clock. */
   rate = 0.1;
+  /** Time between two pictures of the 3D view; a step moves by it. [s] */
+  interval = 0;
+  /** Whether the end leads to the start: a mode's shape swings on and on. */
+  looping = false;
   #time = 0;
   /** @type {number | null} */
   #last = null;
@@ -58,6 +65,18 @@ export class TimeCursor extends EventTarget {
     if (!this.playing) this.#move(time, "follow");
   }
 
+  /**
+   * Stops, and goes on by whole pictures.
+   *
+   * @param {number} pictures negative: back
+   */
+  step(pictures) {
+    this.pause();
+    const interval = this.interval || (this.end - this.start) / 1000;
+    if (interval <= 0) return;
+    this.#move((Math.round(this.#time / interval) + pictures) * interval, "seek");
+  }
+
   /** Starts; from the beginning where the end was reached. */
   play() {
     if (this.end <= this.start) return;
@@ -79,6 +98,16 @@ export class TimeCursor extends EventTarget {
     else this.play();
   }
 
+  /**
+   * The next of the usual rates.
+   *
+   * @param {1 | -1} direction faster or slower
+   */
+  changeRate(direction) {
+    const next = direction > 0 ? RATES.find((rate) => rate > this.rate) : RATES.findLast((rate) => rate < this.rate);
+    if (next) this.setRate(next);
+  }
+
   /** @param {number} rate */
   setRate(rate) {
     this.rate = rate;
@@ -95,7 +124,9 @@ export class TimeCursor extends EventTarget {
     const passed = this.#last === null ? 0 : (now - this.#last) / 1000;
     this.#last = now;
     // A tab in the background gets no pictures: it goes on where it was, without a jump.
-    this.#move(this.#time + Math.min(passed, 0.25) * this.rate, "tick");
+    const next = this.#time + Math.min(passed, 0.25) * this.rate;
+    const length = this.end - this.start;
+    this.#move(this.looping && next >= this.end ? this.start + ((next - this.start) % length) : next, "tick");
     if (this.#time >= this.end) this.pause();
   }
 

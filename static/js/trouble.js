@@ -1,9 +1,13 @@
 // @ts-check
-/** The face of a job that is not done: what happened, in plain words, and what to do. */
-import { h } from "./dom.js";
+/** A job that is not done: what happened, in plain words, and what to do. Pure. */
+import { number } from "./format.js";
+import { namedField } from "./job-words.js";
 
 /** @typedef {import("./types.js").Job} Job */
-/** @typedef {{ heading: string, text: string, remedy: string }} Words */
+/**
+ * @typedef {{ heading: string, text: string, remedy: string, field: string, stable: string }} Words
+ *   `field` is the pointer of the input that is at fault, `stable` how far it came
+ */
 
 /** @type {Record<string, { heading: string, remedy: string }>} */
 const ENDED = {
@@ -32,7 +36,7 @@ const MODES = {
 };
 
 /**
- * What to say of a job, null where nothing is amiss. Pure.
+ * What to say of a job, null where nothing is amiss.
  *
  * @param {Pick<Job, "state" | "error"> & { kind?: string, progress?: Job["progress"] }} job
  * @returns {Words | null}
@@ -43,24 +47,17 @@ export function troubleWords(job) {
   const error = job.error;
   const text = typeof error === "string" ? error : (error?.detail ?? error?.title ?? "");
   const own = typeof error === "object" ? error?.remedy : "";
-  const kept = job.progress?.step ? " What had been computed by then is shown below." : "";
   const remedy = own || (job.kind === "modes" ? MODES[job.state] : "") || ended.remedy;
-  return { heading: ended.heading, text, remedy: `${remedy}${kept}` };
+  return { heading: ended.heading, text, remedy, field: namedField(text), stable: stableWords(job.progress) };
 }
 
-/** @param {Job} job */
-export function trouble(job) {
-  const words = troubleWords(job);
-  if (!words) return null;
-  return h(
-    "div",
-    { class: `notice ${job.state === "cancelled" ? "" : "bad"}`, role: "alert" },
-    h(
-      "div",
-      null,
-      h("p", null, h("strong", null, words.heading)),
-      words.text && h("p", null, words.text),
-      h("p", { class: "soft" }, words.remedy, " ", h("a", { href: "#/" }, "Choose a study")),
-    ),
-  );
+/**
+ * How far a computation came before it ended.
+ *
+ * @param {Job["progress"]} progress
+ */
+function stableWords(progress) {
+  if (!progress?.step || !progress.steps) return "";
+  const time = progress.simulated_time ? `up to t = ${progress.simulated_time.toFixed(3)} s, ` : "";
+  return `Computed ${time}step ${number(progress.step, 6)} of ${number(progress.steps, 6)}. What there is by then is shown below, marked as partial.`;
 }

@@ -15,6 +15,7 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -56,14 +57,17 @@ def _wait_until_up(address: str, process: subprocess.Popen[bytes]) -> None:
     raise AssertionError("the server did not answer in time")
 
 
-@pytest.fixture(scope="session")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Address of a server that holds no jobs at first."""
-    data = tmp_path_factory.mktemp("data")
-    port = _free_port()
+@contextmanager
+def running_server(data: Path, port: int) -> Iterator[str]:
+    """A server of its own process on a data folder; gives its address.
+
+    Args:
+        data: The data folder.
+        port: Where it listens.
+    """
     command = [sys.executable, "-m", "server", "serve", "--host", "127.0.0.1"]
     command += ["--port", str(port), "--data", str(data)]
-    log = (data / "server.log").open("wb")
+    log = (data / "server.log").open("ab")
     process = subprocess.Popen(command, cwd=ROOT, stdout=log, stderr=subprocess.STDOUT)
     address = f"http://127.0.0.1:{port}"
     try:
@@ -77,6 +81,20 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
             process.kill()
             process.wait()
         log.close()
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Address of a server that holds no jobs at first."""
+    with running_server(tmp_path_factory.mktemp("data"), _free_port()) as address:
+        yield address
+
+
+@pytest.fixture
+def another_server(tmp_path: Path) -> Callable[[], AbstractContextManager[str]]:
+    """Starts a server that may be stopped and started again: same data, same address."""
+    data, port = tmp_path, _free_port()
+    return lambda: running_server(data, port)
 
 
 @pytest.fixture(scope="module")

@@ -34,6 +34,18 @@ def _job(name: str, **changes: Any) -> dict[str, Any]:
     }
 
 
+def _submitted(
+    page: Any, server: str, template: str, kind: str = "crossing", **changes: Any
+) -> tuple[dict[str, Any], str]:
+    """A template's viaduct, and the id of a job of that template with some inputs changed."""
+    study = page.request.get(f"{server}/api/v1/templates/{template}").json()
+    for key, value in changes.items():
+        study[key] = {**study[key], **value}
+    body = {"kind": kind, "study": study}
+    job = page.request.post(f"{server}/api/v1/jobs", data=body).json()
+    return study["viaduct"], job["id"]
+
+
 def _answer(page: Any, address: str, document: Any) -> None:
     """Has the page find a document in place of the server's."""
     page.route(f"**/api/v1/{address}", lambda route: route.fulfill(body=json.dumps(document)))
@@ -51,16 +63,13 @@ def test_a_failed_job_says_what_happened_and_what_to_try(
     picture(page, f"failed-{kind}")
 
 
-def test_natural_modes_are_a_table_without_charts_or_3d_view(
+def test_each_row_of_the_modes_chooses_the_shape_that_swings(
     page: Any, server: str, picture: Callable[[Any, str], None]
 ) -> None:
-    page.goto("/#/study/sprung-mass-beam")
-    page.get_by_text("Checked: ready to run.").wait_for()
-    page.get_by_role("button", name="Natural modes").click()
-    page.wait_for_url("**/#/jobs/*")
+    beam, job = _submitted(page, server, "sprung-mass-beam", "modes")
+    page.goto(f"/#/jobs/{job}")
     table = page.locator("tb-modes-table table")
     table.wait_for(timeout=DONE_MS)
-    beam = page.request.get(f"{server}/api/v1/templates/sprung-mass-beam").json()["viaduct"]
     rigidity = beam["young_modulus"] * beam["second_moment"]
     (span,) = beam["spans"]
     for mode in (1, 2, 3):  # f = n2 pi / (2 L2) sqrt(EI / m), Euler-Bernoulli
@@ -70,8 +79,14 @@ def test_natural_modes_are_a_table_without_charts_or_3d_view(
         assert float(cells[1]) == pytest.approx(exact, rel=2e-3)  # two decimals, finite elements
         assert cells[2] == "0.00"  # the template has no damping
     page.get_by_text("How it was computed").wait_for()
-    page.get_by_text("Natural modes · submitted", exact=False).wait_for()
-    for absent in ("tb-chart", "tb-viewer-frame", "tb-time-bar", "tb-verdict-bar"):
+    page.locator("tb-viewer-frame iframe").wait_for()
+    with page.expect_request(
+        lambda sent: sent.method == "PUT" and '"mode":1' in (sent.post_data or "")
+    ):
+        page.get_by_role("button", name="Show mode 2", exact=True).click()
+    expect(table.locator("tr[aria-current]")).to_contain_text("2")
+    assert "mode=2" in page.url
+    for absent in ("tb-chart", "tb-verdict-bar"):
         assert page.locator(absent).count() == 0
     picture(page, "modes-beam")
 
@@ -109,23 +124,44 @@ def test_modes_that_are_not_there_yet_say_where_they_are(page: Any, state: str, 
     assert page.locator("tb-run-progress progress[value]").count() == 0
 
 
-def test_a_sweep_is_typed_as_a_list_and_each_run_can_be_shown(
-    page: Any, picture: Callable[[Any, str], None]
+def test_each_run_of_a_sweep_can_be_shown_and_the_viewing_session_stays(
+    page: Any, server: str, picture: Callable[[Any, str], None]
 ) -> None:
-    page.goto("/#/study/sprung-mass-beam")
-    page.get_by_text("Checked: ready to run.").wait_for()
-    page.locator("tb-field[data-pointer='/sweep/speeds'] input").fill("90, 108")
-    page.get_by_text("Checked: ready to run.").wait_for()
-    with page.expect_request("**/api/v1/jobs") as sent:
-        page.get_by_role("button", name="Run", exact=True).click()
-    assert sent.value.post_data_json["study"]["sweep"]["speeds"] == pytest.approx([25.0, 30.0])
+    _, job = _submitted(page, server, "sprung-mass-beam", sweep={"speeds": [25.0, 30.0]})
+    page.goto(f"/#/jobs/{job}")
     page.locator(".tag.done").wait_for(timeout=DONE_MS)
     page.get_by_text("2 speeds, 90 to 108 km/h", exact=False).first.wait_for()
+    view = page.locator("tb-viewer-frame")
+    page.locator("tb-viewer-frame[data-session]").wait_for(timeout=DONE_MS)
+    session = view.get_attribute("data-session")
     page.get_by_label("Run", exact=True).select_option(label="108 km/h")
     page.locator("tb-chart[data-figure=displacement] .trace").first.wait_for()
-    clock = page.get_by_role("slider", name="Time")
-    expect(clock).to_be_enabled()
+    expect(page.get_by_role("slider", name="Time")).to_be_enabled()
+    runs = page.request.get(f"{server}/api/v1/jobs/{job}").json()["runs"]
+    fast = next(run["id"] for run in runs if run["parameters"]["speed"] == 30.0)
+    assert f"run={fast}" in page.url
+    assert view.get_attribute("data-session") == session
+    assert page.request.get(f"{server}/api/v1/viewer/{session}").json()["run"] == fast
     picture(page, "sweep-beam")
+
+
+def test_a_point_of_the_sweep_opens_its_run(
+    page: Any, server: str, picture: Callable[[Any, str], None]
+) -> None:
+    _, job = _submitted(page, server, "sprung-mass-beam", sweep={"speeds": [25.0, 30.0]})
+    page.goto(f"/#/jobs/{job}?tab=sweep")
+    page.locator(".tag.done").wait_for(timeout=DONE_MS)
+    chart = page.locator("tb-chart[data-figure=speed-sweep]")
+    chart.locator(".scatterlayer .point").first.wait_for()
+    point = chart.locator(".scatterlayer .trace").first.locator(".point").last
+    point.scroll_into_view_if_needed()
+    box = point.bounding_box()
+    place = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.move(*place)
+    page.mouse.click(*place)
+    expect(page).to_have_url(re.compile("run="))
+    expect(page.get_by_label("Run", exact=True).locator("option:checked")).to_have_text("108 km/h")
+    picture(page, "sweep-tab")
 
 
 def test_of_a_sweep_the_worst_speed_is_shown_and_every_verdict_listed(
@@ -170,7 +206,7 @@ def test_of_a_sweep_the_worst_speed_is_shown_and_every_verdict_listed(
         summary = {"facts": facts, "peaks": {}, "timings": {}, "versions": {}}
         document = {**run, "job": "sweep", "summary": summary, "verdicts": [found[name]]}
         _answer(page, f"runs/{name}", document)
-    page.goto("/#/jobs/sweep")
+    page.goto("/#/jobs/sweep?tab=sweep")
     page.get_by_role("heading", name="Exceeds the limit at 1 of 3 speeds computed").wait_for()
     words = page.locator("tb-verdict-bar")
     expect(words).to_contain_text("Exceeds the limit at 432 km/h (screening mesh)")

@@ -20,21 +20,22 @@ test("the KHST has 20 cars, 46 axles and 380.15 m", () => {
   assert.ok(cars.every((item) => item.front > item.back));
 });
 
-test("spans follow each other and the middle of the second is marked", () => {
-  const { spans, marked } = layoutOf({ viaduct: { spans: [16.5, 21, 21] }, train: {} });
+test("spans follow each other; the middle of each is an output, that of an inner one is judged", () => {
+  const { spans, points } = layoutOf({ viaduct: { spans: [16.5, 21, 21] }, train: {} });
   assert.deepEqual(spans, [[0, 16.5], [16.5, 37.5], [37.5, 58.5]]);
-  assert.equal(marked, 27);
-  assert.equal(layoutOf({ viaduct: { spans: [25] }, train: {} }).marked, 12.5);
+  assert.deepEqual(points, [{ x: 8.25, judged: false }, { x: 27, judged: true }, { x: 48, judged: false }]);
+  assert.deepEqual(layoutOf({ viaduct: { spans: [25] }, train: {} }).points, [{ x: 12.5, judged: true }]);
+  assert.equal(layoutOf({ viaduct: { type: "beam", spans: [25] }, train: {} }).points[0].judged, false);
 });
 
 test("sprung masses and defects are where the study says", () => {
   const layout = layoutOf({
     train: { type: "sprung_masses", count: 4, spacing: 20 },
     viaduct: { spans: [20, 20] },
-    irregularity: { type: "isolated", position: 27, rail: "right" },
+    irregularity: { type: "isolated", position: 27, rail: "right", amplitude: 0.016, wave_number: 2 },
   });
   assert.deepEqual(layout.masses, [0, -20, -40, -60]);
-  assert.deepEqual(layout.defects, [{ position: 27, rail: "right" }]);
+  assert.deepEqual(layout.defects, [{ position: 27, rail: "right", amplitude: 0.016, width: 3 }]);
 });
 
 test("an unfinished study still draws", () => {

@@ -1,7 +1,7 @@
 // Addresses, chart colours and the words of a job that is not done.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { channelUrl, eventsUrl, figureUrl } from "../../static/js/api.js";
+import { channelUrl, compareFigureUrl, eventsUrl, runFigureUrl } from "../../static/js/api.js";
 import { themed } from "../../static/js/chart-theme.js";
 import { subject, worst } from "../../static/js/job-words.js";
 import { link, parse } from "../../static/js/router.js";
@@ -16,7 +16,9 @@ test("an address names page, parts and query, and survives odd names", () => {
 });
 
 test("addresses of files carry window and channels", () => {
-  assert.equal(figureUrl("r", "displacement", "svg", { from: 1, to: 2, channels: ["a b", "c/d"] }), "/api/v1/runs/r/plots/displacement.svg?from=1&to=2&channels=a+b&channels=c%2Fd");
+  assert.equal(runFigureUrl("r", "displacement", "svg", { from: 1, to: 2, channels: ["a b", "c/d"] }), "/api/v1/runs/r/plots/displacement.svg?from=1&to=2&channels=a+b&channels=c%2Fd");
+  assert.equal(compareFigureUrl(["a", "b"], "histories", "csv", { channels: ["c/d"] }), "/api/v1/compare/plots/histories.csv?run=a&run=b&channel=c%2Fd");
+  assert.equal(runFigureUrl("r", "point-acceleration", "json", { place: "1,2,3", variant: "" }), "/api/v1/runs/r/plots/point-acceleration.json?place=1%2C2%2C3");
   assert.equal(channelUrl("r", "wheel 01 left/contact force"), "/api/v1/runs/r/channels/wheel%2001%20left%2Fcontact%20force.csv");
   assert.equal(eventsUrl(["x"]), "/api/v1/events?job=x");
   assert.equal(eventsUrl([]), "/api/v1/events");

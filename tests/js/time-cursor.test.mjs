@@ -59,3 +59,36 @@ test("a run without length cannot play", () => {
   time.play();
   assert.equal(time.playing, false);
 });
+
+test("a step goes to the next picture and stops the play", () => {
+  const time = cursor();
+  time.interval = 0.01;
+  time.seek(0.503);
+  time.play();
+  time.step(1);
+  assert.equal(time.playing, false);
+  assert.ok(Math.abs(time.time - 0.51) < 1e-12);
+  time.step(-10);
+  assert.ok(Math.abs(time.time - 0.41) < 1e-12);
+});
+
+test("a mode swings on and on", () => {
+  const time = cursor();
+  time.setRange(0, 1);
+  time.looping = true;
+  time.setRate(1);
+  time.seek(0.95);
+  time.play();
+  time.tick(0);
+  time.tick(200);
+  assert.ok(time.playing);
+  assert.ok(Math.abs(time.time - 0.15) < 1e-12);
+});
+
+test("faster and slower go through the usual rates and stay inside them", () => {
+  const time = cursor();
+  time.changeRate(-1);
+  assert.equal(time.rate, 0.05);
+  for (let press = 0; press < 9; press += 1) time.changeRate(1);
+  assert.equal(time.rate, 1);
+});

@@ -66,6 +66,7 @@ def make_plan(n_step: int, *, n_point: int = N_POINT, frame_stride: int = 20) ->
         ),
         frame_stride=frame_stride,
         facts={"mesh level": "coarse"},
+        frame_motion=True,
     )
 
 
@@ -76,7 +77,10 @@ def samples_of(plan: RunPlan, start: int = 0) -> Iterator[Sample]:
         frame = None
         if step % plan.frame_stride == 0:
             frame = Frame(
-                displacement=np.full((N_VERTEX, 3), float(step)), bodies=np.full((1, 3), -step)
+                displacement=np.full((N_VERTEX, 3), float(step)),
+                bodies=np.full((1, 3), -step),
+                velocity=step + np.arange(N_VERTEX) / 100.0,
+                acceleration=-step - np.arange(N_VERTEX) / 100.0,
             )
         yield Sample(
             step=step,

@@ -345,7 +345,9 @@ def test_a_retry_keeps_the_quota(tmp_path: Path) -> None:
 
 
 def test_frequencies_are_not_held_to_the_limits_of_a_crossing(tmp_path: Path) -> None:
-    limits = Limits(runs_per_job=1, steps_per_job=1, disk_fraction=1e-12)
+    # A megabyte: room for 24 shapes of a beam, not for the histories of two crossings.
+    fraction = 1e6 / shutil.disk_usage(tmp_path).free
+    limits = Limits(runs_per_job=1, steps_per_job=1, disk_fraction=fraction)
     settings = settings_for(tmp_path, limits=limits, quota_bytes=2_000_000)
     with serving(settings, compute=odd_batches.finish) as client:
         study = beam_study(sweep={"speeds": [20.0, 30.0]})

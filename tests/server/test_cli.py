@@ -44,6 +44,7 @@ def trainbridge(*words: str, given: str = "", **variables: str) -> subprocess.Co
 def test_templates_are_listed_and_printed() -> None:
     listed = trainbridge("templates")
     assert listed.returncode == 0
+    assert "(--kind modes)" in listed.stdout
     assert [line.split()[0] for line in listed.stdout.splitlines()] == list(studies.templates())
     printed = trainbridge("templates", "sprung-mass-beam")
     expected = studies.to_json(studies.template("sprung-mass-beam").study)
@@ -70,6 +71,23 @@ def test_a_study_runs_without_a_server(tmp_path: Path) -> None:
     again = trainbridge("run", str(study), "--out", str(tmp_path / "out"))
     assert again.returncode == 1
     assert "not empty" in again.stderr
+
+
+@pytest.mark.parametrize("part", ["viaduct", "train"])
+def test_modes_are_found_without_a_server(tmp_path: Path, part: str) -> None:
+    # An approach that no crossing could do with does not stand in the way of modes.
+    study = json.dumps(short_study(modes={"part": part}, approach={"length": 1.0}))
+    words = ("run", "-", "--kind", "modes", "--out", str(tmp_path / "out"))
+    done = trainbridge(*words, given=study)
+    assert done.returncode == 0, done.stderr
+    reader = RunReader(tmp_path / "out")
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert reader.done
+    assert reader.plan.modal
+    assert reader.committed == reader.committed_frames == len(summary["modes"])
+    first = summary["modes"][0]
+    assert f"{first['frequency']:.4g}" in done.stdout
+    assert first["name"] in done.stdout
 
 
 def test_each_speed_gets_its_folder(tmp_path: Path) -> None:

@@ -80,8 +80,8 @@ def test_an_older_database_is_refused_and_the_command_named(database_url: str) -
 
 def test_a_migration_keeps_every_row(database_url: str) -> None:
     write_first_version(database_url)
-    assert migrate(database_url) == ("0001", "0003")
-    assert migrate(database_url) == ("0003", "0003")
+    assert migrate(database_url) == ("0001", "0004")
+    assert migrate(database_url) == ("0004", "0004")
     database = Database(database_url)
     job = database.job("job")
     assert job is not None
@@ -130,7 +130,7 @@ def test_a_migration_that_fails_changes_nothing(
         patch.setattr("server.store.schema._require_references", fail)
         with pytest.raises(OSError, match="full"):
             migrate(database_url)
-    assert migrate(database_url) == ("0001", "0003")
+    assert migrate(database_url) == ("0001", "0004")
 
 
 def test_rows_that_refer_to_nothing_stop_a_migration(tmp_path: Path) -> None:

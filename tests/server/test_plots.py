@@ -3,106 +3,28 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from server.plots import MEDIA_TYPES, FigureRequest, figures, render
+from server.plots import MEDIA_TYPES, figures, render
 from server.plots.decimation import extreme_indices
 from server.plots.text import beside, quantity
 from solver.arrays import Vector
 from solver.errors import InputError
-from solver.results import ChannelSpec, SlabPoints
 from solver.units import Units
-
-STEP = 1e-3
-N_SAMPLE = 4001
-TIME = np.arange(N_SAMPLE) * STEP
-AXIS = "mid-span 2, axis/acceleration"
-
-
-@dataclass
-class Plan:
-    channels: tuple[ChannelSpec, ...]
-    slab: SlabPoints
-    time_step: float = STEP
-    n_sample: int = N_SAMPLE
-    speed: float = 120.0
-    start_position: float = -66.0
-    window_start: float = 0.4
-    facts: Mapping[str, Any] = field(default_factory=dict[str, Any])
-
-
-@dataclass
-class Run:
-    plan: Plan
-    histories: dict[str, Vector]
-    committed: int = N_SAMPLE
-    summary: Mapping[str, Any] | None = None
-
-    def channel(self, name: str, start: int = 0, stop: int | None = None) -> Vector:
-        return self.histories[name][: self.committed][start:stop]
-
-    def filtered(self, name: str) -> Vector:
-        return self.histories[name]
-
-
-def _spec(name: str, group: str, unit: Any) -> ChannelSpec:
-    return ChannelSpec(name=name, unit=unit, title=name.replace("/", " "), group=group)
-
-
-def _run(**changes: Any) -> Run:
-    slow = 4.0 * np.sin(2 * np.pi * 2 * TIME) * np.exp(-((TIME - 2.0) ** 2))
-    raw = slow + 3.0 * np.sin(2 * np.pi * 180 * TIME)
-    force = 83e3 + 1e3 * np.sin(30 * TIME)
-    force[0] = 83.4e3
-    force[2000:2010] = 0.0
-    channels = (
-        _spec(AXIS, "deck", Units.acceleration),
-        _spec("mid-span 2, axis/displacement", "deck", Units.small_length),
-        _spec("wheel 01 left/contact force", "wheel", Units.force),
-        _spec("wheel 01 right/contact force", "wheel", Units.force),
-        _spec("wheel 02 left/contact force", "wheel", Units.force),
-    )
-    slab = SlabPoints(
-        coordinates=np.zeros((1, 3)),
-        span=np.zeros(1, dtype=np.int64),
-        judged_spans=(1,),
-        named={"mid-span 2, axis": 0},
-    )
-    histories = {
-        AXIS: raw,
-        AXIS + " (filtered)": slow,
-        "mid-span 2, axis/displacement": -2e-3 * np.sin(np.pi * TIME / 4),
-        "wheel 01 left/contact force": force,
-        "wheel 01 right/contact force": force + 500.0,
-        "wheel 02 left/contact force": force,
-    }
-    return Run(plan=Plan(channels=channels, slab=slab), histories=histories, **changes)
-
-
-def _finished() -> Run:
-    summary = {
-        "filtered": [{"name": "mid-span 2, axis", "channel": AXIS + " (filtered)"}],
-        "verdicts": [
-            {
-                "rule": "deck acceleration",
-                "limit": 3.5,
-                "value": 3.98,
-                "cut_off": 30.0,
-                "place": {"name": "slab, span 2", "x": 29.2, "y": 0.0, "z": 1.335},
-                "time": 2.31,
-            }
-        ],
-    }
-    return _run(summary=summary)
-
-
-def _draw(name: str, run: Run, **request: Any) -> dict[str, Any]:
-    return figures()[name](run, FigureRequest(**request))
+from tests.server.plots_case import (
+    AXIS,
+    FILTERED,
+    TIME,
+    Run,
+    draw,
+    finished_run,
+    make_run,
+    spec,
+)
 
 
 @pytest.mark.parametrize("points", [4, 50, 333, 2000])
@@ -127,7 +49,7 @@ def test_decimation_leaves_short_histories_alone_and_passes_over_gaps() -> None:
 
 
 def test_a_running_slab_figure_draws_raw_only_and_within_what_is_committed() -> None:
-    figure = _draw("slab-acceleration", _run(committed=1500))
+    figure = draw("slab-acceleration", make_run(committed=1500))
     (raw,) = figure["data"]
     assert raw["name"] == "mid-span 2, axis, raw"
     assert max(raw["x"]) == pytest.approx(1.499)
@@ -136,14 +58,14 @@ def test_a_running_slab_figure_draws_raw_only_and_within_what_is_committed() -> 
 
 
 def test_a_plain_beams_acceleration_is_of_no_slab() -> None:
-    run = _run()
+    run = make_run()
     run.plan.slab = replace(run.plan.slab, judged_spans=())
-    title = _draw("slab-acceleration", run)["layout"]["title"]["text"]
+    title = draw("slab-acceleration", run)["layout"]["title"]["text"]
     assert title == "Vertical acceleration of the deck"
 
 
 def test_a_finished_slab_figure_draws_band_and_named_peak_of_the_filtered_curve() -> None:
-    figure = _draw("slab-acceleration", _finished())
+    figure = draw("slab-acceleration", finished_run())
     raw, bold = figure["data"]
     assert raw["line"]["width"] < bold["line"]["width"]
     assert bold["name"] == "mid-span 2, axis, below 30 Hz"
@@ -162,9 +84,9 @@ DECIDING = "deciding point/acceleration (filtered)"
 
 def _decided(place: dict[str, Any], factor: float = 1.25) -> Run:
     """A finished run whose verdict lies beside the named points: 1.25 times mid-span's history."""
-    run = _finished()
+    run = finished_run()
     assert run.summary is not None
-    history = factor * run.histories[AXIS + " (filtered)"]
+    history = factor * run.histories[FILTERED]
     peak = int(np.argmax(np.abs(history)))
     (verdict,) = run.summary["verdicts"]
     verdict |= {"place": place, "value": abs(history[peak]), "time": TIME[peak]}
@@ -178,7 +100,7 @@ def test_the_named_peak_of_a_judged_slab_is_the_verdicts_value_and_place() -> No
     run = _decided({"name": "slab, span 2", "x": 29.2154, "y": -0.0, "z": 1.335})
     assert run.summary is not None
     (verdict,) = run.summary["verdicts"]
-    figure = _draw("slab-acceleration", run)
+    figure = draw("slab-acceleration", run)
     (peak,) = [note for note in figure["layout"]["annotations"] if note["showarrow"]]
     assert abs(peak["y"]) == pytest.approx(verdict["value"], rel=1e-12)
     assert peak["x"] == pytest.approx(verdict["time"], abs=1e-6)  # as it is rounded for a figure
@@ -198,16 +120,16 @@ def test_without_a_verdict_the_deciding_point_changes_nothing() -> None:
     run = _decided({"name": "slab, span 2", "x": 29.2, "y": 0.0, "z": 1.335})
     assert run.summary is not None
     run.summary = {**run.summary, "verdicts": []}
-    plain = _finished()
+    plain = finished_run()
     assert plain.summary is not None
     plain.summary = {**plain.summary, "verdicts": []}
-    assert _draw("slab-acceleration", run) == _draw("slab-acceleration", plain)
+    assert draw("slab-acceleration", run) == draw("slab-acceleration", plain)
 
 
 def test_a_deciding_point_that_is_drawn_already_is_not_drawn_twice() -> None:
     run = _decided({"name": "slab, span 2", "x": 27.0, "y": 0.0, "z": 1.335}, factor=1.0)
     run.plan.channels = (replace(run.plan.channels[0], place=(27.0, 0.0, 1.3)),)
-    figure = _draw("slab-acceleration", run)
+    figure = draw("slab-acceleration", run)
     assert len(figure["data"]) == 2
     (peak,) = [note for note in figure["layout"]["annotations"] if note["showarrow"]]
     assert "mid-span 2, axis" in peak["text"]
@@ -215,7 +137,7 @@ def test_a_deciding_point_that_is_drawn_already_is_not_drawn_twice() -> None:
 
 def test_channels_asked_for_are_drawn_alone() -> None:
     run = _decided({"name": "slab, span 2", "x": 29.2, "y": 0.0, "z": 1.335})
-    assert len(_draw("slab-acceleration", run, channels=(AXIS,))["data"]) == 2
+    assert len(draw("slab-acceleration", run, channels=(AXIS,))["data"]) == 2
 
 
 @pytest.mark.parametrize(
@@ -226,17 +148,20 @@ def test_a_value_beside_its_limit_never_reads_as_the_limit(value: float, text: s
 
 
 def test_the_run_in_is_shaded_and_its_peaks_do_not_count() -> None:
-    run = _finished()
-    run.histories[AXIS + " (filtered)"][100] = 50.0  # before window_start = 0.4 s
-    figure = _draw("slab-acceleration", run)
+    run = finished_run()
+    run.histories[FILTERED][100] = 50.0  # before window_start = 0.4 s
+    figure = draw("slab-acceleration", run)
     (peak,) = [note for note in figure["layout"]["annotations"] if note["showarrow"]]
     assert abs(peak["y"]) < 5.0
     assert any(shape.get("x1") == 0.4 for shape in figure["layout"]["shapes"])
 
 
 def test_contact_forces_are_in_kilonewtons_with_static_load_and_loss_of_contact() -> None:
-    figure = _draw("contact-force", _run())
-    assert [curve["name"] for curve in figure["data"]] == ["wheel 01 left", "wheel 01 right"]
+    figure = draw("contact-force", make_run())
+    names = [curve["name"] for curve in figure["data"]]
+    assert names == ["wheel 01 left", "wheel 01 right", "contact lost"]
+    assert figure["data"][-1]["x"] == [2.0]  # where the loss begins, on the line of zero
+    assert figure["data"][-1]["y"] == [0.0]
     assert figure["data"][0]["y"][0] == pytest.approx(83.4)
     levels = [shape["y0"] for shape in figure["layout"]["shapes"] if shape["type"] == "line"]
     assert levels == pytest.approx([0.0, 83.4])
@@ -246,13 +171,16 @@ def test_contact_forces_are_in_kilonewtons_with_static_load_and_loss_of_contact(
 
 
 def test_wheels_of_an_axle_that_feel_the_same_are_one_curve_that_says_so() -> None:
-    run = _run()
+    run = make_run()
     run.histories["wheel 01 right/contact force"] = run.histories["wheel 01 left/contact force"]
-    figure = _draw("contact-force", run)
-    assert [curve["name"] for curve in figure["data"]] == ["wheel 01 left and right"]
+    figure = draw("contact-force", run)
+    assert [curve["name"] for curve in figure["data"]] == [
+        "wheel 01 left and right",
+        "contact lost",
+    ]
     assert figure["summary"].startswith("Wheel 01 left and right: between")
     both = ("wheel 01 left/contact force", "wheel 01 right/contact force")
-    assert len(_draw("contact-force", run, channels=both)["data"]) == 2
+    assert len(draw("contact-force", run, channels=both)["data"]) == 3  # and the loss of contact
 
 
 def test_a_run_that_gets_on_while_a_figure_is_drawn_is_drawn_as_far_as_it_was_read() -> None:
@@ -261,23 +189,23 @@ def test_a_run_that_gets_on_while_a_figure_is_drawn_is_drawn_as_far_as_it_was_re
             self.committed += 250
             return super().channel(name, start, stop)
 
-    run = Computing(**vars(_run(committed=500)))
+    run = Computing(**vars(make_run(committed=500)))
     run.histories["wheel 01 right/contact force"] = run.histories["wheel 01 left/contact force"]
-    for name in figures():
-        assert _draw(name, run)["data"]
-    assert _draw("contact-force", run)["data"][0]["name"] == "wheel 01 left and right"
+    for name in ("slab-acceleration", "contact-force", "displacement"):
+        assert draw(name, run)["data"]
+    assert draw("contact-force", run)["data"][0]["name"] == "wheel 01 left and right"
 
 
 def test_displacements_are_in_millimetres_upward() -> None:
-    figure = _draw("displacement", _run())
+    figure = draw("displacement", make_run())
     assert min(figure["data"][0]["y"]) == pytest.approx(-2.0)
     assert "2 mm down" in figure["summary"]
 
 
 def test_channels_window_and_points_are_as_asked() -> None:
-    figure = _draw(
+    figure = draw(
         "contact-force",
-        _run(),
+        make_run(),
         channels=("wheel 02 left/contact force",),
         start=1.0,
         stop=1.5,
@@ -302,30 +230,32 @@ def test_channels_window_and_points_are_as_asked() -> None:
 )
 def test_bad_requests_name_the_field(request_: dict[str, Any], field: str) -> None:
     with pytest.raises(InputError) as caught:
-        _draw("displacement", _run(), **request_)
+        draw("displacement", make_run(), **request_)
     assert caught.value.field == field
 
 
 @pytest.mark.parametrize("name", sorted(figures()))
 def test_before_the_first_step_a_figure_is_empty_and_says_so(name: str) -> None:
-    figure = _draw(name, _run(committed=0))
+    figure = draw(name, make_run(committed=0), place=(20.0, 0.0, 1.3))
     assert "No step has been computed yet" in figure["summary"]
     assert render(figure, "png").startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("name", sorted(figures()))
 def test_figures_are_plain_json(name: str) -> None:
-    run = _finished()
+    run = finished_run()
     run.histories[AXIS][5] = np.nan
-    json.dumps(_draw(name, run), allow_nan=False)
+    for variant in ("", *(item.name for item in figures()[name].variants)):
+        figure = draw(name, run, place=(20.0, 0.0, 1.3), variant=variant)
+        json.dumps(figure, allow_nan=False)
 
 
 def test_names_with_markup_are_shown_and_never_read() -> None:
-    run = _run()
+    run = make_run()
     evil = "<a href='x'>$\\frac{</a> & more/displacement"
-    run.plan.channels = (_spec(evil, "deck", Units.small_length),)
+    run.plan.channels = (spec(evil, "deck", Units.small_length),)
     run.histories = {evil: TIME}
-    figure = _draw("displacement", run)
+    figure = draw("displacement", run)
     assert figure["data"][0]["name"].startswith("&lt;a href='x'&gt;$")
     svg = render(figure, "svg").decode()
     assert "<a href" not in svg
@@ -338,7 +268,7 @@ def test_names_with_markup_are_shown_and_never_read() -> None:
 def test_files_are_drawn_from_the_same_dictionary_and_repeat(
     file_format: str, magic: bytes
 ) -> None:
-    figure = _draw("slab-acceleration", _finished())
+    figure = draw("slab-acceleration", finished_run())
     first = render(figure, file_format)
     assert file_format in MEDIA_TYPES
     assert first.startswith(magic)
@@ -349,7 +279,7 @@ def test_files_are_drawn_from_the_same_dictionary_and_repeat(
 
 def test_an_unknown_file_format_is_refused() -> None:
     with pytest.raises(InputError, match="png, svg or pdf"):
-        render(_draw("displacement", _run()), "exe")
+        render(draw("displacement", make_run()), "exe")
 
 
 @pytest.mark.parametrize(
@@ -360,7 +290,7 @@ def test_quantities_read_as_engineers_write_them(value: float, text: str) -> Non
 
 
 def test_the_force_axis_shows_zero_only_when_a_wheel_comes_near_to_it() -> None:
-    losing = _draw("contact-force", _run())["layout"]["yaxis"]["range"]
+    losing = draw("contact-force", make_run())["layout"]["yaxis"]["range"]
     assert losing[0] < 0.0
-    steady = _draw("contact-force", _run(), stop=1.5)["layout"]["yaxis"]["range"]
+    steady = draw("contact-force", make_run(), stop=1.5)["layout"]["yaxis"]["range"]
     assert 80.0 < steady[0] < 82.0  # the band of +-1 kN about 83 kN fills the axis

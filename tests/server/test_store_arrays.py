@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import shutil
 import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from server.store import NotStoredError, RunReader, RunWriter
+from server.store import NotStoredError, RunReader, RunWriter, SlabPeaks
 from tests.server.store_case import N_VERTEX, make_plan, samples_of
 
 
@@ -33,11 +34,18 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     rows = reader.channel_rows(["wheel 20 right/contact force", "wheel 02 right/contact force"], 9)
     np.testing.assert_array_equal(rows, (steps[9:, None] + np.array([0.20, 0.02])))
     np.testing.assert_allclose(reader.slab_point(149, 10, 12), [10.149, 11.149], rtol=1e-7)
+    # In blocks of 64 frames: 150 of them cross two borders.
+    heights = reader.heights(np.array([0, N_VERTEX - 1]), range(1, 151))
+    np.testing.assert_array_equal(heights, np.outer(np.arange(20.0, 3001.0, 20.0), [1.0, 1.0]))
+    assert reader.heights(np.array([0, 1]), range(0)).shape == (0, 2)
     frame = reader.frame(7)
     assert reader.frame_step(7) == 140
     assert frame.displacement.shape == (N_VERTEX, 3)
     assert np.all(frame.displacement == 140)
     assert np.all(frame.bodies == -140)
+    # Single precision: seven digits.
+    np.testing.assert_allclose(frame.velocity, 140.0 + np.arange(N_VERTEX) / 100.0, rtol=1e-7)
+    np.testing.assert_allclose(frame.acceleration, -140.0 - np.arange(N_VERTEX) / 100.0, rtol=1e-7)
     blocks = list(reader.slab_blocks(64))
     assert [len(indices) for indices, _ in blocks] == [64, 64, 22]
     # Single precision at values of up to 5000.
@@ -57,6 +65,61 @@ def test_the_plan_comes_back_whole(tmp_path: Path) -> None:
     np.testing.assert_array_equal(stored.geometry.vertices, plan.geometry.vertices)
     np.testing.assert_array_equal(stored.geometry.layers[0].faces, plan.geometry.layers[0].faces)
     assert (stored.n_sample, stored.n_frame, stored.speed) == (11, 1, 120.0)
+    assert (stored.modal, stored.frame_motion) == (False, True)
+
+
+def test_a_run_of_before_has_frames_without_motion_and_no_slab_peaks(tmp_path: Path) -> None:
+    """What was stored before plans knew of motion, of modes and of peaks."""
+    plan = replace(make_plan(40), frame_motion=False)
+    writer = RunWriter(tmp_path / "run", plan)
+    for sample in samples_of(plan):
+        frame = sample.frame and replace(sample.frame, velocity=None, acceleration=None)
+        writer.append(replace(sample, frame=frame))
+    writer.finish({})
+    path = tmp_path / "run" / "plan.json"
+    document = json.loads(path.read_text())
+    for name in ("modal", "frame_motion"):
+        del document[name]
+    path.write_text(json.dumps(document))
+    reader = RunReader(tmp_path / "run")
+
+    assert not reader.plan.modal
+    frame = reader.frame(1)
+    assert np.all(frame.displacement == 20)
+    assert frame.velocity is None
+    assert frame.acceleration is None
+    assert reader.slab_peaks() is None
+
+
+@pytest.mark.parametrize("judged", [True, False])
+def test_slab_peaks_come_back(tmp_path: Path, judged: bool) -> None:
+    plan = make_plan(20)
+    values = np.random.default_rng(1).uniform(0.0, 9.0, (4, 150))
+    peaks = SlabPeaks(
+        raw=values[0],
+        raw_time=values[1],
+        filtered=values[2] if judged else None,
+        filtered_time=values[3] if judged else None,
+    )
+    writer = RunWriter(tmp_path / "run", plan)
+    reader = RunReader(tmp_path / "run")
+    for sample in samples_of(plan):
+        writer.append(sample)
+    writer.flush()
+    assert reader.slab_peaks() is None, "not before the run is judged"
+    writer.add_slab_peaks(peaks)
+    writer.finish({})
+
+    stored = reader.slab_peaks()
+    assert stored is not None
+    np.testing.assert_array_equal(stored.raw, values[0])
+    np.testing.assert_array_equal(stored.raw_time, values[1])
+    if judged:
+        np.testing.assert_array_equal(stored.filtered, values[2])
+        np.testing.assert_array_equal(stored.filtered_time, values[3])
+    else:
+        assert stored.filtered is None
+        assert stored.filtered_time is None
 
 
 def test_a_run_without_slab_or_frames_is_stored(tmp_path: Path) -> None:

@@ -47,6 +47,8 @@ def stored(folder: Path) -> dict[str, Any]:
         "channels": reader.channel_rows([channel.name for channel in plan.channels]),
         "slab": next(iter(reader.slab_blocks(1000)))[1],
         "frames": np.array([reader.frame(i).displacement for i in range(plan.n_frame)]),
+        "velocity": np.array([reader.frame(i).velocity for i in range(plan.n_frame)]),
+        "acceleration": np.array([reader.frame(i).acceleration for i in range(plan.n_frame)]),
         "bodies": np.array([reader.frame(i).bodies for i in range(plan.n_frame)]),
         "counts": np.array([reader.committed, reader.committed_frames]),
     }

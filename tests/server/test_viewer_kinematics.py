@@ -16,7 +16,7 @@ from server.viewer.kinematics import (
 )
 from server.viewer.picture import axle_pairs
 from server.viewer.rail_profile import with_rail_section
-from server.viewer.shapes import axle, bogie_frame, carbody, unit_box, wheel
+from server.viewer.shapes import axle, bogie_frame, carbody, crossed_bars, unit_box, wheel
 from server.viewer.surface import feature_edges, surface_of
 from solver.results import BodyGeometry, Layer, WheelGeometry
 
@@ -102,7 +102,10 @@ def test_an_outline_has_free_edges_and_folds_but_no_mesh_lines() -> None:
     assert sorted(lengths.tolist()) == pytest.approx([2.0, 2.0, 2.0, 2.0, 4.0, 4.0, 4.0])
 
 
-@pytest.mark.parametrize("solid", [wheel(0.46), axle(0.08), bogie_frame(), carbody(), unit_box()])
+@pytest.mark.parametrize(
+    "solid",
+    [wheel(0.46), axle(0.08), bogie_frame(), carbody(), unit_box(), crossed_bars()],
+)
 def test_solids_face_outwards(solid) -> None:
     """A closed surface that faces outwards encloses a positive volume (divergence theorem)."""
     a, b, c = (solid.vertices[solid.triangles[:, i]] for i in range(3))

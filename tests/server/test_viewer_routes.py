@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 
 import httpx
+import numpy as np
 import pytest
 from fastapi import FastAPI
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
-from server.errors import MEDIA_TYPE, install_errors
-from server.viewer import ViewerLimits, router
+from server.errors import MEDIA_TYPE, gone_missing, install_errors
+from server.viewer import FrameSource, ViewerLimits, router
 from tests.server.viewer_client import PROTOCOL, SceneClient, served
-from tests.server.viewer_run import ExampleRun
+from tests.server.viewer_small_runs import BeamRun, ModalRun
 
-RUN = ExampleRun()
+RUNS: dict[str, FrameSource] = {
+    "run-1": BeamRun(),
+    "before": BeamRun(motion=False),
+    "modes": ModalRun("viaduct"),
+}
+
+
+def opened(run: str) -> FrameSource:
+    """A run; none of another name is there."""
+    if run not in RUNS:
+        raise gone_missing("run", run)
+    return RUNS[run]
 
 
 def drain(connection: ClientConnection) -> None:
@@ -28,7 +41,7 @@ def drain(connection: ClientConnection) -> None:
 def address() -> Iterator[str]:
     app = FastAPI()
     install_errors(app)
-    app.include_router(router(lambda _: RUN, ViewerLimits(sessions=2, idle=30.0)))
+    app.include_router(router(opened, ViewerLimits(sessions=2, streams=1, idle=30.0)))
     with served(app) as address:
         yield address
 
@@ -37,11 +50,11 @@ def address() -> Iterator[str]:
 def session(address: str) -> Iterator[str]:
     answer = httpx.post(f"http://{address}/api/v1/runs/run-1/viewer", json={"theme": "dark"})
     assert answer.status_code == 201
-    opened = answer.json()
-    assert answer.headers["location"] == f"/api/v1/viewer/{opened['session']}"
-    assert opened["url"] == f"/viewer/{opened['session']}/"
-    yield opened["session"]
-    httpx.delete(f"http://{address}/api/v1/viewer/{opened['session']}")
+    view = answer.json()
+    assert answer.headers["location"] == f"/api/v1/viewer/{view['session']}"
+    assert view["url"] == f"/viewer/{view['session']}/"
+    yield view["session"]
+    httpx.delete(f"http://{address}/api/v1/viewer/{view['session']}")
 
 
 def test_the_subprotocol_is_passed_on(address: str, session: str) -> None:
@@ -96,9 +109,9 @@ def test_the_state_reads_back(address: str, session: str) -> None:
     assert before["theme"] == "dark"
     assert before["playing"] is False
     assert before["layers"] == before["available_layers"]
-    after = httpx.put(resource, json={"scale": 50, "layers": ["slab", "wheels"]}).json()
+    after = httpx.put(resource, json={"scale": 50, "layers": ["deck", "wheels"]}).json()
     assert after["scale"] == 50.0
-    assert after["layers"] == ["slab", "wheels"]
+    assert after["layers"] == ["deck", "wheels"]
     assert after["time"] == before["time"]
 
 
@@ -114,8 +127,22 @@ def test_the_state_reads_back(address: str, session: str) -> None:
         ('{"scale": 1e9}', "/scale"),
         ('{"camera": "behind"}', "/camera"),
         ('{"layers": ["roof"]}', "/layers/0"),
-        ('{"layers": "slab"}', "/layers"),
+        ('{"layers": "deck"}', "/layers"),
         ('{"colour": "red"}', "/colour"),
+        ('{"colour": "peak"}', "/colour"),
+        ('{"mode": -1}', "/mode"),
+        ('{"mode": 1}', "/mode"),
+        ('{"mode": 1.0}', "/mode"),
+        ('{"run": "elsewhere"}', "/run"),
+        ('{"run": 7}', "/run"),
+        ('{"run": "modes", "mode": 3}', "/mode"),
+        ('{"run": "modes", "layers": ["deck", "wheels"]}', "/layers/1"),
+        ('{"run": "before", "colour": "velocity"}', "/colour"),
+        ('{"place": [1, 2]}', "/place"),
+        ('{"place": [1, 2, "3"]}', "/place/2"),
+        ('{"place": [1, 2, 1e9]}', "/place/2"),
+        ('{"picked": null}', "/picked"),
+        ('{"paused": ""}', "/paused"),
         ("[]", ""),
     ],
 )
@@ -129,6 +156,122 @@ def test_bad_input_is_refused(address: str, session: str, body: str, at: str) ->
     assert answer.headers["content-type"] == MEDIA_TYPE
     assert [error["pointer"] for error in answer.json()["errors"]] == [at]
     assert answer.json()["errors"][0]["remedy"]
+    state = httpx.get(f"http://{address}/api/v1/viewer/{session}").json()
+    assert state["run"] == "run-1", "what was refused has changed nothing"
+
+
+def test_colours_come_with_a_bar_in_display_units(address: str, session: str) -> None:
+    resource = f"http://{address}/api/v1/viewer/{session}"
+    state = httpx.put(resource, json={"colour": "displacement"}).json()
+    assert state["available_colours"] == ["none", "displacement", "velocity", "acceleration"]
+    bar = state["colour_bar"]
+    assert (bar["quantity"], bar["unit"], bar["minimum"]) == ("displacement", "mm", 0.0)
+    # The half wave's amplitude is 1 mm; the frame of its peak need not be one that is looked at.
+    assert 0.95 <= bar["maximum"] <= 1.0
+    assert bar["stops"][0][0] == 0.0
+    assert bar["stops"][-1][0] == 1.0
+    assert all(len(colour) == 7 and colour[0] == "#" for _, colour in bar["stops"])
+    assert httpx.put(resource, json={"colour": "none"}).json()["colour_bar"] is None
+
+
+def test_the_run_is_switched_on_the_same_connection(address: str, session: str) -> None:
+    resource = f"http://{address}/api/v1/viewer/{session}"
+    with SceneClient(address, session) as client:
+        client.settle()
+        first = client.nodes["/deck"]["vertices"].reshape(-1, 3).copy()
+        state = httpx.put(resource, json={"run": "modes", "mode": 1, "scale": 0.5}).json()
+        assert (state["run"], state["modal"], state["mode"]) == ("modes", True, 1)
+        assert (state["available_modes"], state["last_time"]) == (3, 1.0)
+        assert "wheels" not in state["available_layers"]
+        client.settle()
+        deck = client.nodes["/deck"]["vertices"].reshape(-1, 3)
+        # The second mode of a beam is a whole wave: up at a quarter, down at three quarters.
+        assert deck[:, 2].max() == pytest.approx(1.5, abs=1e-6)
+        assert deck[:, 2].min() == pytest.approx(0.5, abs=1e-6)
+        assert not np.array_equal(first, deck)
+        back = httpx.put(resource, json={"run": "run-1"}).json()
+        assert (back["modal"], back["available_modes"], back["theme"]) == (False, 0, "dark")
+        assert back["last_time"] == pytest.approx(1.0)
+        assert "wheels" in back["layers"]
+
+
+def test_a_mode_swings_while_it_plays_and_stands_while_it_does_not(
+    address: str, session: str
+) -> None:
+    resource = f"http://{address}/api/v1/viewer/{session}"
+    with SceneClient(address, session) as client:
+        httpx.put(resource, json={"run": "modes", "scale": 1.0})
+        client.settle()
+        assert client.settle(0.6) == 0
+        heights = []
+        for at in (0.0, 0.25, 0.5):
+            httpx.put(resource, json={"time": at})
+            client.settle()
+            heights.append(client.nodes["/deck"]["vertices"].reshape(-1, 3)[:, 2].copy())
+        assert heights[0].max() == pytest.approx(2.0, abs=1e-6)
+        assert heights[1].max() == pytest.approx(1.0, abs=1e-6)
+        assert heights[2].min() == pytest.approx(0.0, abs=1e-6)
+        httpx.put(resource, json={"playing": True, "rate": 2.0})
+        before = client.messages
+        deadline = time.monotonic() + 5.0
+        while client.messages == before and time.monotonic() < deadline:
+            client.settle(quiet=0.02)
+        assert client.messages > before
+        assert httpx.get(resource).json()["playing"]
+        httpx.put(resource, json={"playing": False})
+
+
+def test_one_too_many_that_plays_says_why_another_stands(address: str, session: str) -> None:
+    where = f"http://{address}/api/v1/viewer/"
+    other = httpx.post(f"http://{address}/api/v1/runs/run-1/viewer").json()["session"]
+    assert httpx.put(where + session, json={"playing": True, "rate": 0.01}).json()["playing"]
+    assert httpx.put(where + other, json={"playing": True, "rate": 0.01}).json()["playing"]
+    told = httpx.put(where + session, json={"playing": True, "time": 0.1}).json()
+    assert not told["playing"]
+    assert "at most 1 play at once" in told["paused"]
+    assert httpx.put(where + other, json={"time": 0.2}).json()["playing"]
+    assert httpx.put(where + session, json={"playing": True}).json()["paused"] == ""
+    assert "at most 1" in httpx.get(where + other).json()["paused"]
+    httpx.delete(where + other)
+
+
+def test_a_place_from_a_shared_link_is_marked_as_a_click_is(address: str, session: str) -> None:
+    resource = f"http://{address}/api/v1/viewer/{session}"
+    with SceneClient(address, session) as client:
+        client.settle()
+        picked = httpx.put(resource, json={"place": [8.2, 1.5, 1.1]}).json()["picked"]
+        assert picked == {"sequence": 0, "layer": "deck", "point": [8.0, 2.0, 1.0], "slab_point": 8}
+        client.settle()
+        assert "/picked" in client.nodes
+        assert httpx.put(resource, json={"place": None}).json()["picked"] is None
+
+
+def test_a_click_s_ray_becomes_a_point_and_a_marker(address: str, session: str) -> None:
+    resource = f"http://{address}/api/v1/viewer/{session}"
+    with SceneClient(address, session) as client:
+        client.settle()
+        assert httpx.get(resource).json()["picked"] is None
+        client.look((10.0, -8.0, 6.0), (10.0, 0.0, 1.0))
+        client.click((8.1, 0.5, 6.0), (0.0, 0.0, -1.0))
+        client.settle()
+        picked = httpx.get(resource).json()["picked"]
+        assert picked == {"sequence": 1, "layer": "deck", "point": [8.0, 2.0, 1.0], "slab_point": 8}
+        marker = client.nodes["/picked"]
+        assert 0.03 <= marker["radius"] <= 0.6
+        client.click((8.1, 0.5, 6.0), (0.0, 0.0, 1.0))
+        client.settle()
+        assert httpx.get(resource).json()["picked"] == picked, "the sky is no point"
+        client.click((12.1, -0.5, 6.0), (0.0, 0.0, -1.0))
+        client.settle()
+        again = httpx.get(resource).json()["picked"]
+        assert (again["sequence"], again["point"]) == (2, [12.0, -2.0, 1.0])
+        httpx.put(resource, json={"time": 0.12, "scale": 100.0})
+        client.settle()
+        lowered = client.poses["/picked"][2]
+        deck = client.nodes["/deck"]["vertices"].reshape(-1, 3)
+        at = deck[(abs(deck[:, 0] - 12.0) < 1e-6) & (deck[:, 1] < 0)][0]
+        assert lowered == pytest.approx(at[2], abs=1e-6), "the marker moves with its point"
+        assert lowered < 0.99
 
 
 def test_deleting_ends_the_session_and_its_clients(address: str, session: str) -> None:
@@ -153,10 +296,10 @@ def test_a_view_too_many_is_refused(address: str) -> None:
 
 def test_a_server_with_open_views_stops() -> None:
     app = FastAPI()
-    app.include_router(router(lambda _: RUN))
+    app.include_router(router(opened))
     with served(app) as address:
-        opened = httpx.post(f"http://{address}/api/v1/runs/run-1/viewer").json()["session"]
-        client = SceneClient(address, opened)
+        view = httpx.post(f"http://{address}/api/v1/runs/run-1/viewer").json()["session"]
+        client = SceneClient(address, view)
         client.settle()
     # ``served`` has seen its thread end: an open view does not hold it up.
     with pytest.raises(ConnectionClosed):

@@ -1,4 +1,4 @@
-"""Sessions: shut to everyone but the proxy, counted, reaped, closed."""
+"""Sessions: shut to everyone but the proxy, counted, paused, reaped, closed."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 
 import httpx
+import numpy as np
 import pytest
 import viser
 from viser import _messages as messages
@@ -14,11 +15,12 @@ from websockets.sync.client import connect
 
 from server.viewer import ViewerLimits
 from server.viewer.guard import SECRET_HEADER, secret_headers, start_server, stop_server
+from server.viewer.playback import Player
 from server.viewer.session import Session, Sessions, TooManySessionsError
 from tests.server.viewer_client import PROTOCOL
-from tests.server.viewer_run import ExampleRun
+from tests.server.viewer_small_runs import BeamRun, ModalRun
 
-RUN = ExampleRun()
+RUN = BeamRun()
 
 
 def until(met: Callable[[], bool], seconds: float = 5.0) -> bool:
@@ -50,8 +52,23 @@ def guarded() -> Iterator[viser.ViserServer]:
 
 @pytest.fixture
 def sessions() -> Iterator[Sessions]:
-    sessions = Sessions(ViewerLimits(sessions=2, idle=0.5))
+    sessions = Sessions(ViewerLimits(sessions=2, idle=30.0))
     yield sessions
+    sessions.close_all()
+
+
+@pytest.fixture
+def hasty() -> Iterator[Sessions]:
+    sessions = Sessions(ViewerLimits(idle=0.5))
+    yield sessions
+    sessions.close_all()
+
+
+@pytest.fixture
+def crowd() -> Iterator[tuple[Sessions, list[Session]]]:
+    """Three sessions of which two may play at once."""
+    sessions = Sessions(ViewerLimits(sessions=3, streams=2, idle=30.0))
+    yield sessions, [sessions.open(f"run {i}", RUN, "light") for i in range(3)]
     sessions.close_all()
 
 
@@ -116,14 +133,14 @@ def test_an_unwatched_session_makes_room_and_a_watched_one_does_not(sessions: Se
     assert len(sessions) == 2
 
 
-def test_a_session_that_nobody_watches_ends(sessions: Sessions) -> None:
-    session = sessions.open("run", RUN, "light")
+def test_a_session_that_nobody_watches_ends(hasty: Sessions) -> None:
+    session = hasty.open("run", RUN, "light")
     with session.watched():
         assert not until(lambda: session.ended, 1.2), "it ends only when unwatched"
     assert until(lambda: session.ended)
-    assert sessions.get(session.id) is None
+    assert hasty.get(session.id) is None
     assert until(lambda: port_is_closed(session))
-    assert len(sessions) == 0
+    assert len(hasty) == 0
 
 
 def test_closing_closes_the_port(sessions: Sessions) -> None:
@@ -131,6 +148,87 @@ def test_closing_closes_the_port(sessions: Sessions) -> None:
     assert sessions.close(session.id)
     assert port_is_closed(session)
     assert not sessions.close(session.id)
+
+
+def test_the_limits_are_those_promised() -> None:
+    limits = ViewerLimits()
+    assert (limits.sessions, limits.streams, limits.idle) == (20, 5, 60.0)
+
+
+def test_one_too_many_that_plays_pauses_the_one_that_has_played_longest(
+    crowd: tuple[Sessions, list[Session]],
+) -> None:
+    sessions, [first, second, third] = crowd
+    with first.watched(), second.watched(), third.watched():
+        sessions.change(second, playing=True, rate=0.01)
+        sessions.change(first, playing=True, rate=0.01)
+        sessions.change(second, scale=20.0)  # steering is not beginning anew
+        sessions.change(third, playing=True, rate=0.01)
+    assert [held.player.state.playing for held in (first, second, third)] == [True, False, True]
+    assert "at most 2 play at once" in second.tell_pause()
+    assert first.tell_pause() == third.tell_pause() == ""
+
+
+def test_one_that_nobody_watches_is_paused_first(crowd: tuple[Sessions, list[Session]]) -> None:
+    sessions, [first, second, third] = crowd
+    with first.watched(), third.watched():
+        for session in (first, second, third):
+            sessions.change(session, playing=True, rate=0.01)
+    assert [held.player.state.playing for held in (first, second, third)] == [True, False, True]
+
+
+def test_a_page_that_has_not_heard_of_its_pause_does_not_end_it(
+    crowd: tuple[Sessions, list[Session]],
+) -> None:
+    """Pages say every two seconds that they play: else views would pause each other in turn."""
+    sessions, [first, second, third] = crowd
+    for session in (first, second, third):
+        sessions.change(session, playing=True, rate=0.01)
+    assert not sessions.change(first, playing=True, time=0.2).playing
+    assert second.player.state.playing
+    assert first.tell_pause()
+    assert sessions.change(first, playing=True).playing, "somebody has read it and pressed play"
+    assert first.tell_pause() == ""
+    assert not second.player.state.playing
+
+
+def test_another_run_is_shown_on_the_same_server(sessions: Sessions) -> None:
+    session = sessions.open("beam", RUN, "dark")
+    port = session.port
+    session.change(layers=frozenset({"deck", "wheels"}), colour="velocity", camera="side")
+    session.switch("modes", ModalRun("viaduct"))
+    state = session.player.state
+    assert (session.run, session.port) == ("modes", port)
+    assert (state.theme, state.camera) == ("dark", "side")
+    assert state.colour == "none", "modes have no velocity"
+    assert state.layers == {"deck"}, "what was hidden stays hidden"
+    assert not state.playing
+    nodes = {name.split("/")[1] for name in session._server.scene._handle_from_node_name}
+    assert "wheels" not in nodes
+    assert "deck" in nodes
+
+
+@pytest.mark.parametrize("part", ["viaduct", "track", "train"])
+def test_modes_swing_without_end(part: str) -> None:
+    """At time 0 the shape is whole, half a cycle later it is mirrored; playing never ends."""
+    run, clock = ModalRun(part), [0.0]
+    server = start_server()
+    player = Player(server, run, "light", clock=lambda: clock[0])
+    player.change(mode=1, playing=True, rate=1.0, time=0.0)
+    swings = []
+    for clock[0] in (0.0, 0.25, 0.5, 1000.0):
+        player.draw()
+        picture = player._picture
+        moved = picture.vertices if part != "train" else picture.body_centres
+        swings.append(moved[:, 2].copy())
+    stop_server(server)
+    whole, rest, mirrored, later = swings
+    assert np.abs(whole - rest).max() > 1e-3
+    np.testing.assert_allclose(whole - rest, rest - mirrored, atol=1e-9)
+    # A thousand cycles later, 1e-13 of each are lost to rounding.
+    np.testing.assert_allclose(later, whole, atol=1e-9)
+    assert player.state.playing
+    assert player.state.time == pytest.approx(1000.0)
 
 
 def port_is_closed(session: Session) -> bool:

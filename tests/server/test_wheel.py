@@ -57,6 +57,7 @@ def test_wheel_holds_page_and_data_and_nothing_else(installed: Path) -> None:
     (wheel,) = installed.parent.glob("trainbridge-*.whl")
     names = zipfile.ZipFile(wheel).namelist()
     assert "server/static/index.html" in names
+    assert "server/viewer/client/colours.mjs" in names
     assert "solver/data/khst.json" in names
     assert not [name for name in names if "node_modules" in name or name.startswith("tests")]
 

@@ -49,6 +49,7 @@ class SceneClient:
 
     Attributes:
         nodes: Properties of every scene node, as last sent.
+        poses: Positions of the nodes that were moved as a whole.
         messages: Number of messages so far.
     """
 
@@ -61,6 +62,7 @@ class SceneClient:
             proxy=None,
         )
         self.nodes: dict[str, dict[str, Any]] = {}
+        self.poses: dict[str, tuple[float, float, float]] = {}
         self.messages = 0
 
     def __enter__(self) -> SceneClient:
@@ -78,6 +80,35 @@ class SceneClient:
             except TimeoutError:
                 return self.messages - before
 
+    def look(self, eye: tuple[float, ...], target: tuple[float, ...]) -> None:
+        """Places the camera; viser counts a client only from then on."""
+        self._send(
+            "ViewerCameraMessage",
+            wxyz=(1.0, 0.0, 0.0, 0.0),
+            position=eye,
+            fov=0.6,
+            near=0.1,
+            far=1000.0,
+            image_height=500,
+            image_width=900,
+            look_at=target,
+            up_direction=(0.0, 0.0, 1.0),
+        )
+
+    def click(self, origin: tuple[float, ...], direction: tuple[float, ...]) -> None:
+        """Clicks, as the page does after it has told clicks from drags."""
+        self._send(
+            "ScenePointerMessage",
+            event_type="click",
+            ray_origin=origin,
+            ray_direction=direction,
+            screen_pos=((0.5, 0.5),),
+            modifier=None,
+        )
+
+    def _send(self, kind: str, **fields: Any) -> None:
+        self.connection.send(msgspec.msgpack.encode({"type": kind, **fields}))
+
     def _take(self, packet: bytes) -> None:
         """Undoes viser's framing: msgpack under zstd, then arrays at multiples of eight bytes."""
         plain, packed = (int.from_bytes(packet[i : i + 8], "little") for i in (0, 8))
@@ -94,6 +125,8 @@ class SceneClient:
                 self.nodes[message["name"]] = _restored(message["props"], arrays)
             elif message["type"] == "SceneNodeUpdateMessage":
                 self.nodes[message["name"]].update(_restored(message["updates"], arrays))
+            elif message["type"] == "SetPositionMessage":
+                self.poses[message["name"]] = message["position"]
 
 
 def _restored(properties: dict[str, Any], arrays: list[bytes]) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from solver.results import (
     Geometry,
     Layer,
     RunPlan,
+    SlabPeaks,
     SlabPoints,
     WheelGeometry,
 )
@@ -25,6 +26,8 @@ from solver.units import Units
 SPANS = np.array([[0.0, 16.5], [16.5, 37.5], [37.5, 58.5]])
 SPEED, TIME_STEP, STRIDE, START = 120.0, 5e-4, 8, -60.0
 RAIL_TOP = 2.13
+DIFFERENCE = 1e-4
+"""Step of the differences that give velocities and accelerations. [s]"""
 GAUGE = 1.435
 
 
@@ -120,6 +123,21 @@ def _train() -> tuple[np.ndarray, tuple[BodyGeometry, ...]]:
     return axles, (*cars, *frames)
 
 
+def _slab_points(geometry: Geometry) -> SlabPoints:
+    """The slab's vertices between the ballast walls."""
+    (slab,) = (layer for layer in geometry.layers if layer.name == "slab")
+    points = geometry.vertices[np.unique(slab.faces)]
+    points = points[np.abs(points[:, 1]) < 2.2]
+    span = np.searchsorted(SPANS[:, 1], points[:, 0])
+    middle = np.linalg.norm(points[:, :2] - (27.0, 0.0), axis=1)
+    return SlabPoints(
+        coordinates=points,
+        span=span,
+        judged_spans=(1,),
+        named={"mid-span 2, axis": int(np.argmin(middle))},
+    )
+
+
 class ExampleRun:
     """A ``FrameSource`` computed on demand.
 
@@ -150,14 +168,10 @@ class ExampleRun:
                 )
                 for wheel, quantity in names
             ),
-            slab=SlabPoints(
-                coordinates=np.zeros((0, 3)),
-                span=np.zeros(0, dtype=np.int64),
-                judged_spans=(1,),
-                named={},
-            ),
+            slab=_slab_points(geometry),
             geometry=geometry,
             frame_stride=STRIDE,
+            frame_motion=True,
         )
         self.done = done
         self.committed = self.plan.n_sample
@@ -171,10 +185,10 @@ class ExampleRun:
     def frame(self, index: int) -> Frame:
         """The displaced state of a frame."""
         geometry, time = self.plan.geometry, index * STRIDE * TIME_STEP
-        x, y, z = geometry.vertices.T
-        w, slope = self._bending(x, time)
-        above = (z > 1.7) & (np.abs(y) < 1.5)
-        w = w + np.where(above, self._dip(x, time), 0.0)
+        x, _, z = geometry.vertices.T
+        _, slope = self._bending(x, time)
+        w = self._upward(time)
+        before, after = self._upward(time - DIFFERENCE), self._upward(time + DIFFERENCE)
         displacement = np.column_stack((-(z - 0.7) * slope, np.zeros(len(x)), w))
         order = np.arange(len(geometry.bodies))
         sag = np.where(order < 20, -0.4, -0.05)
@@ -184,7 +198,28 @@ class ExampleRun:
         return Frame(
             displacement=displacement.astype(np.float32).astype(np.float64),
             bodies=np.column_stack((bounce, roll, pitch)),
+            velocity=(after - before) / (2.0 * DIFFERENCE),
+            acceleration=(after - 2.0 * w + before) / DIFFERENCE**2,
         )
+
+    def slab_peaks(self) -> SlabPeaks | None:
+        """Peaks that are greatest in the middle of the second span, at y = 0."""
+        if not self.done:
+            return None
+        x, y, _ = self.plan.slab.coordinates.T
+        begin, end = SPANS[self.plan.slab.span].T
+        shape = np.sin(np.pi * (x - begin) / (end - begin)) * (1.0 - 0.1 * np.abs(y))
+        raw = 0.47 * shape * np.where(self.plan.slab.span == 1, 1.0, 0.6)
+        at = np.full(len(raw), 0.8)
+        return SlabPeaks(raw=raw, raw_time=at, filtered=0.6 * raw, filtered_time=at)
+
+    def _upward(self, time: float) -> np.ndarray:
+        """Upward displacement of every vertex."""
+        x, y, z = self.plan.geometry.vertices.T
+        w, _ = self._bending(x, time)
+        dipped = (z > 1.7) & (np.abs(y) < 1.5)
+        w[dipped] += self._dip(x[dipped], time)
+        return w
 
     def channel_rows(self, names: Sequence[str], start: int, stop: int) -> np.ndarray:
         """Histories of the wheels."""
@@ -219,4 +254,5 @@ class ExampleRun:
 
     def _dip(self, x: np.ndarray, time: float) -> np.ndarray:
         axles = START + SPEED * time + self.plan.geometry.wheels.offsets[::2]
-        return -0.7e-3 * np.exp(-(((x[:, None] - axles[None, :]) / 0.9) ** 2)).sum(axis=1)
+        near = axles[(axles > x.min(initial=0.0) - 6.0) & (axles < x.max(initial=0.0) + 6.0)]
+        return -0.7e-3 * np.exp(-(((x[:, None] - near[None, :]) / 0.9) ** 2)).sum(axis=1)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from solver.errors import InputError, UnstableError
-from solver.results import SlabPoints
+from solver.results import SlabPeaks, SlabPoints
 from solver.standards import (
     CutOff,
     Scope,
@@ -18,6 +18,7 @@ from solver.standards import (
     cut_off_frequency,
     decide,
     eurocode_cut_off,
+    slab_peaks,
     under_ballast,
     worst,
 )
@@ -65,14 +66,25 @@ def verdict(size: int = 6, scale: float = 1.0, **changes: object) -> Verdict:
     """The verdict over the histories above."""
     settings: dict[str, object] = {
         "slab": slab(),
-        "times": TIMES,
-        "window_start": WINDOW_START,
         "cut_off": eurocode_cut_off(6.4, 17.1),
         "scope": Scope(
             train="KHST", speed=120.0, irregularity="no irregularities", mesh_level="standard"
         ),
     }
-    return decide(blocks(scale * histories(), size), **{**settings, **changes})  # type: ignore[arg-type]
+    settings |= changes
+    window_start = settings.pop("window_start", WINDOW_START)
+    cut_off = settings["cut_off"].frequency  # type: ignore[attr-defined]
+    found = peaks(blocks(scale * histories(), size), cut_off, window_start)  # type: ignore[arg-type]
+    return decide(found, **settings)  # type: ignore[arg-type]
+
+
+def peaks(
+    given: Iterable[tuple[NDArray, NDArray]],
+    cut_off: float | None = 30.0,
+    window_start: float = WINDOW_START,
+) -> SlabPeaks:
+    """Peaks of the six points."""
+    return slab_peaks(given, n_point=6, times=TIMES, window_start=window_start, cut_off=cut_off)
 
 
 def test_cut_off_is_the_greatest_of_three() -> None:
@@ -195,14 +207,7 @@ def test_not_a_number_is_never_within_the_limit() -> None:
     history = histories()
     history[3000, 4] = np.nan
     with pytest.raises(UnstableError):
-        decide(
-            blocks(history, 6),
-            slab=slab(),
-            times=TIMES,
-            window_start=WINDOW_START,
-            cut_off=CutOff(frequency=30.0, origin="by hand"),
-            scope=Scope(train="KHST", speed=1.0, irregularity="", mesh_level=""),
-        )
+        peaks(blocks(history, 6))
 
 
 def test_missing_or_repeated_points_are_refused() -> None:
@@ -210,14 +215,35 @@ def test_missing_or_repeated_points_are_refused() -> None:
     whole = (np.arange(6), history)
     for given in ([(np.arange(5), history[:, :5])], [whole, whole]):
         with pytest.raises(InputError, match="missing or comes twice"):
-            decide(
-                given,
-                slab=slab(),
-                times=TIMES,
-                window_start=WINDOW_START,
-                cut_off=CutOff(frequency=30.0, origin="by hand"),
-                scope=Scope(train="KHST", speed=1.0, irregularity="", mesh_level=""),
-            )
+            peaks(given)
+
+
+def test_every_point_has_its_raw_and_its_filtered_peak() -> None:
+    found = peaks(blocks(histories(), 4))
+    assert found.filtered is not None
+    assert found.filtered_time is not None
+    # Two bursts of 4 and 6 at one instant; below 30 Hz the one at 200 Hz is gone.
+    assert found.raw[2] == pytest.approx(10.0, rel=1e-6)
+    assert found.filtered[2] == pytest.approx(4.0, rel=0.005)
+    assert found.raw_time[2] == pytest.approx(2.0, abs=1e-9)
+    assert found.filtered_time[2] == pytest.approx(2.0, abs=STEP)
+    # The burst of 50 came before the window.
+    assert found.raw[3] == pytest.approx(3.0, rel=1e-3)
+    assert found.raw[4] == found.filtered[4] == 0.0
+
+
+def test_what_is_not_judged_has_raw_peaks_alone() -> None:
+    found = peaks(blocks(histories(), 6), cut_off=None)
+    assert found.filtered is None
+    assert found.filtered_time is None
+    assert found.raw[0] == pytest.approx(9.0, rel=1e-6)
+    with pytest.raises(InputError, match=r"peaks\.filtered"):
+        decide(
+            found,
+            slab=slab(),
+            cut_off=CutOff(frequency=30.0, origin="by hand"),
+            scope=Scope(train="KHST", speed=1.0, irregularity="", mesh_level=""),
+        )
 
 
 def test_window_after_the_end_is_refused() -> None:

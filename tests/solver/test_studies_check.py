@@ -15,8 +15,11 @@ from solver.irregularities import IsolatedDefect
 from solver.models.ballasted_track import TrackProperties
 from solver.models.rails import ApproachTrack
 from solver.models.train import SprungMasses
-from solver.studies import Study, check, simulate, template
+from solver.models.viaduct import ViaductProperties
+from solver.studies import Study, check, resonance_speeds, simulate, template
+from solver.studies.advice import mesh_frequency
 from solver.studies.bounds import Finding
+from solver.studies.resonance import first_frequency
 from solver.studies.study import Contact, Extent, Integration, NoTrack, Outputs, Sweep
 
 KHST = template("khst-alverca-standard").study
@@ -187,6 +190,80 @@ def test_warnings() -> None:
     sharp = warned(with_defect(KHST, wave_number=20.0))["irregularity.wave_number"]
     assert "0.0001 s" in sharp.remedy
     assert warned(with_defect(KHST)) == {}
+
+
+def test_a_coarse_time_step_is_warned_of_with_the_value_to_use() -> None:
+    """Four steps over a rail element of 0.15 m at 120 m/s: 0.15 / 480 s."""
+    coarse = replace(KHST, integration=Integration(time_step=4e-4))
+    warning = warned(coarse)["integration.time_step"]
+    assert "3.1 steps over a rail element of 0.15 m" in warning.reason
+    assert "Use 0.000312 s" in warning.remedy
+    assert warned(replace(KHST, integration=Integration(time_step=0.000312))) == {}
+    # Twice as fast again, it is no longer a matter of taste.
+    assert "integration.time_step" in found(replace(coarse, sweep=Sweep(speeds=(200.0,))))
+
+
+def test_a_cut_off_beyond_the_mesh_is_warned_of() -> None:
+    """Six shells of 0.74, 0.3, 0.2 m along a bending wave of the slab with its ballast."""
+    frequencies = [mesh_frequency(KHST, level) for level in ("coarse", "standard", "fine")]
+    stiffness = 35.4e9 * 0.27**3 / (12.0 * 0.96)
+    mass = 2469.8 * 0.27 + 2039.0 * 0.313
+    wanted = [
+        (math.pi / (3.0 * length)) ** 2 * math.sqrt(stiffness / mass) / (2.0 * math.pi)
+        for length in (0.74, 0.3, 0.2)
+    ]
+    assert frequencies == pytest.approx(wanted, rel=1e-12)
+    coarse = replace(KHST, mesh_level="coarse", integration=Integration(time_step=5e-4))
+
+    def remedies(cut_off: float) -> list[str]:
+        study = replace(coarse, outputs=Outputs(cut_off_frequency=cut_off))
+        waves = [item for item in check(study).warnings if "bending waves" in item.reason]
+        return [item.remedy for item in waves]
+
+    assert remedies(0.0) == remedies(60.0) == []
+    assert remedies(100.0) == ["Use the standard mesh."]
+    beyond = replace(KHST, mesh_level="fine", outputs=Outputs(cut_off_frequency=1000.0))
+    assert "at most 939 Hz" in warned(beyond)["mesh_level"].remedy
+
+
+def test_resonance_speeds_are_those_of_the_first_frequency_and_the_bogies() -> None:
+    """v = f d / i: at the thesis's 6.34 Hz and 18.7 m 427 km/h, and its fractions."""
+    speeds = resonance_speeds(KHST, 6.34)
+    assert [order for order, _ in speeds] == [1, 2, 3, 4]
+    wanted = [426.8, 213.4, 142.3, 106.7]
+    assert [3.6 * speed for _, speed in speeds] == pytest.approx(wanted, abs=0.1)
+    derived = check(KHST).derived
+    first = derived["first_frequency"]
+    # The modal analysis gives 6.6 Hz for span 2 with its neighbours, the thesis 6.39.
+    assert first.value == pytest.approx(6.6, rel=0.05)
+    assert "span 2" in first.title
+    assert "estimate" in first.title
+    assert derived["regular_spacing"].value == pytest.approx(18.7)
+    assert derived["resonance_2"].value == pytest.approx(0.5 * first.value * 18.7)
+    assert resonance_speeds(BEAM, 4.78) == []
+    masses = replace(BEAM, train=SprungMasses(count=3, spacing=20.0))
+    assert resonance_speeds(masses, 5.0)[0] == (1, pytest.approx(100.0))
+    # f = pi / (2 L^2) sqrt(EI / m) of the beam of Yang and Yau: 30.02 rad/s (thesis 4.4.1).
+    yang = check(BEAM).derived["first_frequency"].value
+    assert 2.0 * math.pi * yang == pytest.approx(30.02, rel=1e-4)
+
+
+def test_the_closed_form_follows_the_modal_analysis_of_the_outer_span() -> None:
+    """16.5 m alone: 10.26 Hz by modal analysis; a short, deep beam is the harder case."""
+    short = replace(KHST, viaduct=ViaductProperties(spans=(16.5,)))
+    assert first_frequency(short).frequency == pytest.approx(10.26, rel=0.07)
+
+
+def test_derived_values_count_steps_and_unknowns() -> None:
+    study = replace(KHST, sweep=Sweep(speeds=(60.0, 120.0)))
+    report = check(study)
+    assert report.derived["steps"].value == report.estimate.steps
+    assert report.derived["unknowns"].value == report.estimate.unknowns
+    assert report.derived["wheel_step"].value == pytest.approx(120.0 * 2.5e-4)
+    defect = check(with_defect(study)).derived
+    # 6.7 m from end to end at 0.9 1/m: 18 Hz at 120 m/s.
+    assert defect["defect_length"].value == pytest.approx(6.67, abs=0.01)
+    assert defect["defect_frequency"].value == pytest.approx(18.0)
 
 
 def test_derived_values_belong_to_the_slowest_and_the_fastest_run() -> None:

@@ -9,10 +9,20 @@ from dataclasses import replace
 import pytest
 
 from solver.errors import InputError
+from solver.irregularities import IsolatedDefect
 from solver.models.ballasted_track import TrackProperties
 from solver.models.beam_bridge import BeamBridge
 from solver.models.rails import ApproachTrack
-from solver.studies import Study, check, prepare, runs_of, template, templates, to_json
+from solver.studies import (
+    Study,
+    check,
+    prepare,
+    resonance_speeds,
+    runs_of,
+    template,
+    templates,
+    to_json,
+)
 from solver.studies.crossing import PATH_MARGIN, crossing
 from solver.studies.estimate import Estimate
 from solver.studies.study import Integration, NoTrack, Outputs, Sweep
@@ -103,7 +113,8 @@ def real_size(study: Study) -> tuple[int, int]:
     facts = plan.facts
     unknowns = sum(int(facts[f"unknowns_{part}"]) for part in ("structure", "rails", "train"))
     steps = 8 * (len(plan.channels) + 1) + 4 * len(plan.slab.coordinates)
-    shapes = 12 * (len(plan.geometry.vertices) + len(plan.geometry.bodies))
+    # Three displacements, a velocity and an acceleration of a vertex; three of a body.
+    shapes = 20 * len(plan.geometry.vertices) + 12 * len(plan.geometry.bodies)
     return unknowns, steps * plan.n_sample + shapes * plan.n_frame
 
 
@@ -134,7 +145,9 @@ def test_estimate_of_beams_is_the_real_one() -> None:
 
 def test_templates_have_the_names_of_the_issue_the_one_click_job_first() -> None:
     assert list(templates()) == [
-        "khst-alverca", "khst-alverca-standard", "sprung-mass-beam", "two-span-separation",
+        "khst-alverca", "alverca-speed-sweep", "isolated-defect", "sprung-mass-beam",
+        "two-span-separation", "viaduct-modes", "train-modes", "track-modes",
+        "khst-alverca-standard", "two-span-hertz",
     ]  # fmt: skip
 
 
@@ -142,8 +155,32 @@ def test_templates_have_the_names_of_the_issue_the_one_click_job_first() -> None
 def test_every_template_runs_as_it_stands(name: str) -> None:
     chosen = template(name)
     assert chosen.name == name
-    assert check(chosen.study).errors == ()
-    assert runs_of(chosen.study) == ({"speed": chosen.study.sweep.speeds[0]},)
+    report = check(chosen.study, chosen.kind)
+    assert report.errors == ()
+    assert chosen.kind == ("modes" if name.endswith("-modes") else "crossing")
+    assert [run["speed"] for run in runs_of(chosen.study)] == list(chosen.study.sweep.speeds)
+
+
+def test_the_sweep_passes_the_resonance_of_the_deciding_span() -> None:
+    """Table 7.6 of the thesis: 6.34 and 6.39 Hz; bogies every 18.7 m: 427 to 430 km/h."""
+    sweep = template("alverca-speed-sweep").study
+    speeds = [3.6 * speed for speed in sweep.sweep.speeds]
+    assert (min(speeds), max(speeds), len(speeds)) == (pytest.approx(300), pytest.approx(450), 16)
+    (_, first), *_ = resonance_speeds(sweep, 6.39)
+    assert 3.6 * first == pytest.approx(430.2, abs=0.1)
+    assert sum(abs(speed - 3.6 * first) <= 10.0 for speed in speeds) == 2
+    assert check(sweep).warnings[0].path == ("mesh_level",)
+
+
+def test_the_isolated_defect_is_that_of_the_issue() -> None:
+    study = template("isolated-defect").study
+    defect = study.irregularity
+    assert isinstance(defect, IsolatedDefect)
+    spans = study.viaduct.spans
+    assert defect.position == spans[0] + 0.5 * spans[1]
+    assert defect.amplitude == 0.016
+    assert 3.6 * study.sweep.speeds[0] == pytest.approx(350.0)
+    assert study.contact.unilateral
 
 
 @pytest.mark.parametrize("name", list(templates()))

@@ -1,81 +1,106 @@
 // @ts-check
 /**
- * One figure of a run: curves, time cursor, words, numbers, files.
+ * One figure: curves, time cursor, words, numbers, files of what is visible.
  *
- * Emits `zoom` {from, to} (null for the whole run) and `seek` {time}; refetches itself when its
- * window changes, so that a zoom shows every sample.
+ * Emits `zoom` {from, to} (null for everything), `seek` {time}, `point` {x, y, customdata} off the
+ * time axis, `curves` {channels} and `variant` {variant}; refetches itself when its window changes,
+ * so that a zoom shows every sample.
  */
 import { CurvePicker } from "./curve-picker.js";
-import { extremesTable } from "./extremes-table.js";
-import { api, figureUrl } from "../api.js";
+import { figureTable } from "./figure-table.js";
+import { segments } from "./segments.js";
 import { chartLibrary } from "../chart-library.js";
-import { themed } from "../chart-theme.js";
+import { ChartPlot, isTimed } from "../chart-plot.js";
 import { h, show } from "../dom.js";
+import { pageColours } from "../page-colours.js";
+import { store } from "../store.js";
+import { currentTheme } from "../theme.js";
 
 /** @typedef {import("../types.js").Figure} Figure */
+/** @typedef {import("../types.js").FigureSource} FigureSource */
+/** @typedef {import("../types.js").FigureQuery} FigureQuery */
 /** @typedef {{ from: number, to: number } | null} TimeWindow */
+/**
+ * @typedef {{ source: FigureSource, title: string, library: string, window?: TimeWindow,
+ *   query?: FigureQuery, variants?: [string, string][], any?: boolean, empty?: string }} ChartOptions
+ *   `query` is asked for besides the window; `variants` can be switched between: value and title;
+ *   `any`: curves of any quantity can be drawn together; `empty` is said while there is no figure
+ */
 
 const NARROW = 560;
-const CONFIG = { displayModeBar: false, responsive: true, doubleClick: false, scrollZoom: false };
+const FILES = /** @type {const} */ (["csv", "png", "svg", "pdf"]);
 
 export class Chart extends HTMLElement {
-  #run = "";
-  #name = "";
+  /** @type {FigureSource | null} */
+  #source = null;
   #library = "";
+  #empty = "";
   /** @type {TimeWindow} */
   #window = null;
+  /** @type {FigureQuery} */
+  #query = {};
   /** @type {Figure | null} */
   #figure = null;
   /** @type {AbortController | null} */
   #fetching = null;
-  #plot = /** @type {any} */ (h("div", { class: "plot" }));
-  #line = h("div", { class: "cursor-line", hidden: true });
+  #ended = new AbortController();
+  #plot = new ChartPlot();
   #heading = h("h3");
   #summary = h("p", { class: "soft small summary" });
+  #more = h("summary", null, "Numbers");
   #table = h("div", { class: "scroll" });
   #picker = /** @type {CurvePicker} */ (h("tb-curve-picker"));
-  /** @type {string[]} channels somebody chose; empty for the figure's own choice */
-  #channels = [];
-  #files = h("div", { class: "row files" });
-  #time = Number.NaN;
-  #scheme = matchMedia("(prefers-color-scheme: dark)");
-  #redraw = () => void this.#draw();
+  #files = h("div", { class: "row files", role: "group", "aria-label": "Save what is visible" });
 
-  /**
-   * @param {{ run: string, name: string, title: string, library: string, window: TimeWindow }} options
-   */
-  bind({ run, name, title, library, window }) {
-    this.#run = run;
-    this.#name = name;
+  /** @param {ChartOptions} options */
+  bind({ source, title, library, window = null, query = {}, variants = [], any = false, empty = "" }) {
+    this.#source = source;
     this.#library = library;
     this.#window = window;
+    this.#query = query;
+    this.#empty = empty || "The first curves appear with the first steps.";
     this.classList.add("card", "chart");
-    this.dataset.figure = name;
+    this.dataset.figure = source.name;
     show(this.#heading, title);
+    if (source.channels) this.#picker.bind({ load: source.channels, any, drawn: [] });
+    const tools = h("div", { class: "row chart-tools" }, variants.length > 0 && segments({ legend: title, options: variants, chosen: query.variant ?? variants[0][0], choose: (variant) => this.#vary(variant) }), this.#files);
     show(
       this,
-      h("div", { class: "row spread" }, this.#heading, this.#files),
-      h("div", { class: "plot-frame" }, this.#plot, this.#line),
+      h("div", { class: "row spread" }, this.#heading, tools),
+      this.#plot.element,
       this.#summary,
       h(
         "details",
         { ontoggle: () => void this.#picker.load() },
-        h("summary", null, "Numbers and curves"),
+        this.#more,
         this.#picker,
         this.#table,
       ),
     );
+    this.#listen();
+  }
+
+  #listen() {
+    const signal = this.#ended.signal;
+    for (const name of ["zoom", "seek", "point"]) {
+      this.#plot.addEventListener(name, (event) => this.#emit(name, /** @type {CustomEvent} */ (event).detail), { signal });
+    }
     this.#picker.addEventListener("curves", (event) => {
-      this.#channels = /** @type {CustomEvent} */ (event).detail;
-      void this.refresh();
+      const channels = /** @type {CustomEvent} */ (event).detail;
+      this.query = { channels };
+      this.#emit("curves", { channels });
     });
-    this.#scheme.addEventListener("change", this.#redraw);
+    let theme = currentTheme();
+    store.watch("theme", () => {
+      if (theme !== currentTheme()) void this.refresh();
+      theme = currentTheme();
+    }, signal);
   }
 
   disconnectedCallback() {
     this.#fetching?.abort();
-    this.#scheme.removeEventListener("change", this.#redraw);
-    /** @type {any} */ (window).Plotly?.purge(this.#plot);
+    this.#ended.abort();
+    this.#plot.purge();
   }
 
   /** @returns {Figure | null} */
@@ -89,57 +114,48 @@ export class Chart extends HTMLElement {
     void this.refresh();
   }
 
+  /** Asks for other channels, another place, another variant; the rest stays. @param {FigureQuery} change */
+  set query(change) {
+    this.#query = { ...this.#query, ...change };
+    void this.refresh();
+  }
+
   /** The time of the cursor. @param {number} time */
   set time(time) {
-    this.#time = time;
-    this.#placeLine();
+    this.#plot.time = time;
   }
 
   /** Fetches and draws again; a newer call ends an older one. */
   async refresh() {
+    if (!this.#source) return;
     this.#fetching?.abort();
     const fetching = new AbortController();
     this.#fetching = fetching;
-    const window = this.#window;
     try {
       const points = Math.min(4000, Math.max(600, Math.round(this.clientWidth * 2)));
-      const figure = await api.figure(this.#run, this.#name, { ...window, points, channels: this.#channels }, fetching.signal);
+      const figure = await this.#source.json({ ...this.#asked(), points }, fetching.signal);
       this.#figure = figure;
       this.dispatchEvent(new CustomEvent("figure", { detail: figure }));
-      await this.#draw();
+      await this.#draw(figure);
     } catch (error) {
       if (fetching.signal.aborted) return;
       const status = /** @type {any} */ (error).status;
-      show(this.#summary, status === 404 || status === 409 ? "The first curves appear with the first steps." : String(/** @type {Error} */ (error).message));
+      show(this.#summary, status === 409 ? this.#empty : String(/** @type {Error} */ (error).message));
     }
   }
 
-  async #draw() {
-    const figure = this.#figure;
-    if (!figure) return;
-    const library = await chartLibrary(this.#library);
-    if (!this.isConnected) return;
-    const { data, layout } = themed(figure, theme(this.#scheme.matches), this.clientWidth < NARROW);
-    layout.uirevision = JSON.stringify(this.#window);
-    const fresh = !this.#plot.on;
-    await library.react(this.#plot, data, layout, CONFIG);
-    if (fresh) this.#listen();
-    this.#placeLine();
-    this.#describe(figure);
+  /** @returns {FigureQuery} */
+  #asked() {
+    return { ...this.#query, ...this.#window, theme: currentTheme() };
   }
 
-  #listen() {
-    this.#plot.on("plotly_relayout", (/** @type {any} */ change) => {
-      const from = change["xaxis.range[0]"];
-      const to = change["xaxis.range[1]"];
-      if (from === undefined || to === undefined) return;
-      this.#emit("zoom", { from: Math.max(0, Number(from)), to: Number(to) });
-    });
-    this.#plot.on("plotly_doubleclick", () => this.#emit("zoom", null));
-    this.#plot.on("plotly_click", (/** @type {any} */ event) => {
-      this.#emit("seek", { time: event.points[0].x });
-    });
-    this.#plot.on("plotly_afterplot", () => this.#placeLine());
+  /** @param {Figure} figure */
+  async #draw(figure) {
+    const library = await chartLibrary(this.#library);
+    if (!this.isConnected) return;
+    const view = JSON.stringify(isTimed(figure) ? this.#window : this.#query);
+    await this.#plot.draw(library, figure, pageColours(), { narrow: this.clientWidth < NARROW, view });
+    this.#describe(figure);
   }
 
   /**
@@ -150,45 +166,30 @@ export class Chart extends HTMLElement {
     this.dispatchEvent(new CustomEvent(name, { detail, bubbles: true }));
   }
 
-  /** A line over the chart: moving it costs nothing, redrawing a chart would. */
-  #placeLine() {
-    const axis = this.#plot._fullLayout?.xaxis;
-    const area = this.#plot._fullLayout?._size;
-    const inside = axis && this.#time >= axis.range[0] && this.#time <= axis.range[1];
-    this.#line.hidden = !inside;
-    if (!inside) return;
-    this.#line.style.transform = `translateX(${area.l + axis.d2p(this.#time)}px)`;
-    this.#line.style.top = `${area.t}px`;
-    this.#line.style.height = `${area.h}px`;
-  }
-
   /** @param {Figure} figure */
   #describe(figure) {
+    const source = this.#source;
+    if (!source) return;
     if (figure.layout.title?.text) show(this.#heading, plain(figure.layout.title.text));
     show(this.#summary, figure.summary);
-    const query = { ...this.#window, channels: this.#channels };
-    this.#picker.bind(this.#run, [...new Set(figure.table.map((row) => row.channel).filter(Boolean))]);
-    show(
-      this.#files,
-      /** @type {const} */ (["png", "svg", "pdf"]).map((format) =>
-        h("a", { href: figureUrl(this.#run, this.#name, format, query), download: "" }, format.toUpperCase()),
-      ),
-    );
-    show(this.#table, extremesTable(figure, this.#run));
+    const drawn = [...new Set(figure.table.map((row) => row.channel).filter(Boolean))];
+    this.#picker.drawn = drawn;
+    // Curves can be chosen where the figure is made of channels.
+    this.#picker.hidden = !source.channels || drawn.length === 0;
+    show(this.#more, this.#picker.hidden ? "Numbers" : "Numbers and curves");
+    const links = FILES.map((format) => h("a", { href: source.url(format, this.#asked()), download: "" }, format.toUpperCase()));
+    show(this.#files, links);
+    show(this.#table, figureTable(figure, source.channelUrl));
+  }
+
+  /** @param {string} variant one of several ways to draw the same figure */
+  #vary(variant) {
+    this.query = { variant };
+    this.#emit("variant", { variant });
   }
 }
 
 /** Text that the server escaped for plotly, which reads a kind of HTML. @param {string} text */
 const plain = (text) => text.replaceAll("&lt;", "<").replaceAll("&gt;", ">").replaceAll("&amp;", "&");
-
-/**
- * @param {boolean} dark
- * @returns {import("../chart-theme.js").Theme}
- */
-function theme(dark) {
-  const style = getComputedStyle(document.documentElement);
-  const read = (/** @type {string} */ name) => style.getPropertyValue(name).trim();
-  return { dark, ink: read("--ink"), soft: read("--ink-soft"), line: read("--line"), paper: read("--card"), type: read("--type") };
-}
 
 customElements.define("tb-chart", Chart);

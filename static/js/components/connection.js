@@ -1,10 +1,16 @@
 // @ts-check
-/** Says when the live connection is gone; says nothing while all is well. */
+/** Says when the live connection is gone, and when it is back; nothing while all is well. */
 import { h, show } from "../dom.js";
 import { store } from "../store.js";
 
+/** How long "connected again" stays. [ms] */
+const FAREWELL = 4000;
+
 export class Connection extends HTMLElement {
   #ended = new AbortController();
+  #lost = false;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #timer;
 
   connectedCallback() {
     this.setAttribute("role", "status");
@@ -13,19 +19,22 @@ export class Connection extends HTMLElement {
 
   disconnectedCallback() {
     this.#ended.abort();
+    clearTimeout(this.#timer);
   }
 
   /** @param {boolean} connected */
   #show(connected) {
-    show(
-      this,
-      connected === false &&
-        h(
-          "div",
-          { class: "banner" },
-          "No connection to the server. Jobs go on; this page resumes by itself.",
-        ),
-    );
+    clearTimeout(this.#timer);
+    if (!connected) {
+      show(
+        this,
+        h("div", { class: "banner" }, h("strong", null, "No connection to the server."), " What you see is as it was; jobs go on. This page resumes by itself."),
+      );
+    } else if (this.#lost) {
+      show(this, h("div", { class: "banner well" }, "Connected again."));
+      this.#timer = setTimeout(() => show(this), FAREWELL);
+    } else show(this);
+    this.#lost = !connected;
   }
 }
 

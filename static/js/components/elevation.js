@@ -2,16 +2,18 @@
 /** The viaduct from the side with the train on it, drawn to scale from the study. */
 import { s, show } from "../dom.js";
 import { layoutOf } from "../layout.js";
+import { defect, lengths, output } from "./elevation-marks.js";
+import { trainParts } from "./elevation-train.js";
 
 /** @typedef {import("../types.js").Study} Study */
 /** @typedef {import("../layout.js").Layout} Layout */
+/** @typedef {import("../layout.js").Levels} Levels */
 
 /** Heights for drawing only; rail level is 0, downward positive as in SVG. [m] */
-const DECK = 0.7;
-const SOFFIT = 2.5;
 const GROUND = 7.2;
-const ROOF = -4;
 const MARGIN = 13;
+/** Of a track alone, so much is drawn. [m] */
+const BAYS = 24;
 /** Ground and rails go on beyond any frame. [m] */
 const FAR = 300;
 
@@ -37,28 +39,29 @@ export class Elevation extends HTMLElement {
     this.#place();
   }
 
+  /** Whether lengths are written; small drawings do without. */
+  labelled = false;
+  /** What is drawn: a train on its viaduct, or one of them. @type {"crossing" | "viaduct" | "train" | "track"} */
+  scope = "crossing";
+
   #draw() {
     if (!this.#study) return;
     const layout = layoutOf(this.#study);
-    const end = layout.spans[layout.spans.length - 1]?.[1] ?? 20;
-    const margin = Math.max(MARGIN, (46 - end) / 2);
+    const { levels } = layout;
+    const ground = Math.max(GROUND, levels.soffit + 3);
+    const end = this.scope === "track" ? BAYS : layout.spans[layout.spans.length - 1][1];
+    const margin = this.scope === "track" ? 1 : Math.max(MARGIN, (46 - end) / 2);
     const width = end + 2 * margin;
+    const height = ground + 6.2 + (this.labelled ? width * 0.07 : 0);
+    const [bridge, load] = [this.scope === "crossing" || this.scope === "viaduct", this.scope === "crossing" || this.scope === "train"];
     const picture = s(
       "svg",
-      {
-        viewBox: `${-margin} -6.2 ${width} ${GROUND + 6.2}`,
-        preserveAspectRatio: "xMidYMax meet",
-        role: "img",
-        "aria-label": describe(layout),
-        class: "elevation",
-      },
-      ground(end, this.#study.track?.type !== "none"),
-      layout.spans.map(([from, to]) => span(from, to, this.#study?.track?.type !== "none")),
-      piers(layout),
+      { viewBox: `${-margin} -6.2 ${width} ${height}`, preserveAspectRatio: "xMidYMax meet", role: "img", "aria-label": describe(layout, this.scope), class: "elevation" },
+      bridge ? [banks(end, levels, ground), layout.spans.map(([from, to]) => span(from, to, levels)), piers(layout, ground)] : bed(end, ground),
       s("line", { class: "rail", x1: -FAR, x2: end + FAR, y1: 0, y2: 0 }),
-      s("g", { class: "train" }, layout.cars.map(car), axles(layout), layout.masses.map(mass)),
-      layout.defects.map(defect),
-      layout.marked !== null && s("circle", { class: "point", cx: layout.marked, cy: DECK, r: 0.42 }),
+      load && s("g", { class: "train" }, trainParts(layout)),
+      this.scope === "crossing" && [layout.defects.map(defect), layout.points.map((point, index) => output(point, index, levels, width))],
+      this.labelled && bridge && lengths(layout, ground, width),
     );
     show(this, picture);
     this.#place();
@@ -74,119 +77,79 @@ export class Elevation extends HTMLElement {
   }
 }
 
-/** @param {Layout} layout */
-function describe(layout) {
-  const lengths = layout.spans.map(([from, to]) => `${+(to - from).toFixed(2)} m`).join(", ");
+/**
+ * @param {Layout} layout
+ * @param {Elevation["scope"]} scope
+ */
+function describe(layout, scope) {
+  const lengths = `spans of ${layout.spans.map(([from, to]) => `${+(to - from).toFixed(2)} m`).join(", ")}`;
   const load = layout.cars.length
     ? `a train of ${layout.cars.length} cars`
     : `${layout.masses.length} sprung mass${layout.masses.length > 1 ? "es" : ""}`;
   const defect = layout.defects.map((item) => `; defect at x = ${item.position} m`).join("");
-  return `Elevation: spans of ${lengths}; ${load}${defect}.`;
+  const words = { crossing: `${lengths}; ${load}${defect}`, viaduct: lengths, train: load, track: "track on its bed" };
+  return `Elevation: ${words[scope]}.`;
+}
+
+/**
+ * Track on the ground, without a viaduct.
+ *
+ * @param {number} end
+ * @param {number} ground
+ */
+function bed(end, ground) {
+  return s(
+    "g",
+    { class: "ground" },
+    s("path", { d: `M${-FAR} 0.9 H${end + FAR} V${ground} H${-FAR} Z` }),
+    s("rect", { class: "ballast", x: -FAR, y: 0.25, width: end + 2 * FAR, height: 0.65 }),
+    s("line", { class: "sleepers", x1: -FAR, x2: end + FAR, y1: 0.24, y2: 0.24 }),
+  );
 }
 
 /**
  * @param {number} end
- * @param {boolean} ballasted
+ * @param {Levels} levels
+ * @param {number} ground
  */
-function ground(end, ballasted) {
-  const left = `M${-FAR} ${ballasted ? DECK : 0.1} H-0.5 L-4.5 ${GROUND} H${-FAR} Z`;
-  const right = `M${end + FAR} ${ballasted ? DECK : 0.1} H${end + 0.5} L${end + 4.5} ${GROUND} H${end + FAR} Z`;
+function banks(end, { deck, ballasted }, ground) {
+  const left = `M${-FAR} ${deck} H-0.5 L-4.5 ${ground} H${-FAR} Z`;
+  const right = `M${end + FAR} ${deck} H${end + 0.5} L${end + 4.5} ${ground} H${end + FAR} Z`;
   return s(
     "g",
     { class: "ground" },
     s("path", { d: left }),
     s("path", { d: right }),
-    ballasted && s("rect", { class: "ballast", x: -FAR, y: 0.12, width: end + 2 * FAR, height: DECK - 0.12 }),
+    ballasted && s("rect", { class: "ballast", x: -FAR, y: 0.12, width: end + 2 * FAR, height: Math.max(deck - 0.12, 0.01) }),
   );
 }
 
 /**
  * @param {number} from
  * @param {number} to
- * @param {boolean} ballasted otherwise the wheels roll on the beam itself
+ * @param {Levels} levels
  */
-function span(from, to, ballasted) {
-  const top = ballasted ? DECK : 0.12;
+function span(from, to, { deck, slab, soffit }) {
+  const length = to - from;
   return s(
     "g",
     { class: "span" },
-    s("rect", { class: "slab", x: from + 0.1, y: top, width: to - from - 0.2, height: 0.42 }),
-    s("rect", { class: "beam", x: from + 0.25, y: top + 0.42, width: to - from - 0.5, height: SOFFIT - top - 0.42 }),
-    [from + 0.8, to - 0.8].map((x) =>
-      s("path", { class: "bearing", d: `M${x} ${SOFFIT} l0.42 0.5 h-0.84 Z` }),
-    ),
-  );
-}
-
-/** @param {Layout} layout */
-function piers(layout) {
-  return layout.spans.slice(1).map(([x]) =>
-    s("path", {
-      class: "pier",
-      d: `M${x - 1.5} ${SOFFIT + 0.5} h3 v0.6 l-0.8 0.5 V${GROUND} h-1.4 V${SOFFIT + 1.6} l-0.8 -0.5 Z`,
-    }),
+    s("rect", { class: "slab", x: from + 0.1, y: deck, width: Math.max(length - 0.2, 0.1), height: slab }),
+    s("rect", { class: "beam", x: from + 0.25, y: deck + slab, width: Math.max(length - 0.5, 0.1), height: Math.max(soffit - deck - slab, 0.05) }),
+    [from + 0.8, to - 0.8].map((x) => s("path", { class: "bearing", d: `M${x} ${soffit} l0.42 0.5 h-0.84 Z` })),
   );
 }
 
 /**
- * @param {import("../layout.js").Car} item
- * @param {number} index
- * @param {import("../layout.js").Car[]} all
+ * @param {Layout} layout
+ * @param {number} ground
  */
-function car(item, index, all) {
-  const { front, back } = item;
-  const nose = index === 0;
-  const tail = index === all.length - 1;
-  const right = nose
-    ? `H${front - 5.2} C${front - 2} ${ROOF} ${front - 0.3} ${ROOF + 2} ${front} -0.9`
-    : `H${front - 0.35} q0.25 0 0.25 0.3 V-0.9`;
-  const left = tail
-    ? `H${back} C${back + 0.3} ${ROOF + 2} ${back + 2} ${ROOF} ${back + 5.2} ${ROOF}`
-    : `H${back + 0.1} V${ROOF + 0.3} q0 -0.3 0.25 -0.3`;
-  const start = tail ? back + 5.2 : back + 0.35;
-  return s(
-    "g",
-    { class: item.power ? "car power" : "car" },
-    s("path", { d: `M${start} ${ROOF} ${right} ${left} Z` }),
-    s("rect", {
-      class: "windows",
-      x: back + (tail ? 6.4 : 1.1),
-      y: ROOF + 0.85,
-      width: Math.max(front - back - (nose || tail ? 8 : 2.2), 0.1),
-      height: 0.85,
-      rx: 0.3,
-    }),
-  );
-}
-
-/** @param {Layout} layout */
-function axles(layout) {
-  return layout.axles.map((x) => s("circle", { class: "wheel", cx: x, cy: -0.46, r: 0.46 }));
-}
-
-/** @param {number} x */
-function mass(x) {
-  return s(
-    "g",
-    { class: "car mass" },
-    s("rect", { x: x - 1.5, y: ROOF - 0.3, width: 3, height: 1.9, rx: 0.35 }),
+function piers({ spans, levels: { soffit } }, ground) {
+  return spans.slice(1).map(([x]) =>
     s("path", {
-      class: "spring",
-      d: `M${x} ${ROOF + 1.6} v0.25 l-0.55 0.2 l1.1 0.35 l-1.1 0.35 l1.1 0.35 l-0.55 0.2 v0.2`,
+      class: "pier",
+      d: `M${x - 1.5} ${soffit + 0.5} h3 v0.6 l-0.8 0.5 V${ground} h-1.4 V${soffit + 1.6} l-0.8 -0.5 Z`,
     }),
-    s("circle", { class: "wheel", cx: x, cy: -0.42, r: 0.42 }),
-  );
-}
-
-/** @param {{ position: number, rail: string }} item */
-function defect(item) {
-  const x = item.position;
-  return s(
-    "g",
-    { class: "defect" },
-    s("path", { d: `M${x - 2} 0 q1 0 1.4 -0.5 q0.6 -0.8 1.2 0 q0.4 0.5 1.4 0 Z` }),
-    s("path", { class: "flag", d: `M${x} -0.7 V-5.2` }),
-    s("circle", { cx: x, cy: -5.3, r: 0.5 }),
   );
 }
 

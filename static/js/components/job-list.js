@@ -1,8 +1,10 @@
 // @ts-check
-/** Jobs as rows; each leads to its page. Emits `more` {cursor} where the server holds older ones. */
+/**
+ * Jobs as rows; each leads to its page. Emits `more` {cursor} where the server holds older ones, and
+ * `tick` where rows can be ticked and another one was.
+ */
+import { jobRow } from "./job-row.js";
 import { h, show } from "../dom.js";
-import { ago, number, remaining, stateText } from "../format.js";
-import { subject } from "../job-words.js";
 import { link } from "../router.js";
 
 /** @typedef {import("../types.js").Job} Job */
@@ -15,6 +17,29 @@ export class JobList extends HTMLElement {
   #next = null;
   /** Rows that are drawn at most; older jobs are on a page of their own. */
   limit = Number.POSITIVE_INFINITY;
+  /** What is said where there is no job. @type {[string, string]} */
+  empty = ["Nothing has run here yet.", "Press Run on a study: it computes in the background and stays in this list."];
+  /** @type {import("./job-row.js").Ticks | null} */
+  #ticks = null;
+
+  connectedCallback() {
+    this.addEventListener("keydown", (event) => this.#key(event));
+  }
+
+  /** Whether rows can be ticked. @param {boolean} tickable */
+  set tickable(tickable) {
+    if (!tickable) this.#ticks = null;
+    else this.#ticks = { jobs: new Set(), runs: new Set(), opened: new Set(), change: (job, runs, on) => this.#tick(job, runs, on) };
+  }
+
+  /** Ids of the ticked jobs, and of their runs that are done, in the order of the list. */
+  get ticked() {
+    const inOrder = this.jobs.flatMap((job) => job.runs.map((run) => run.id));
+    return {
+      jobs: this.jobs.map((job) => job.id).filter((id) => this.#ticks?.jobs.has(id)),
+      runs: inOrder.filter((id) => this.#ticks?.runs.has(id)),
+    };
+  }
 
   /** Newest first. @returns {Job[]} */
   get jobs() {
@@ -49,24 +74,57 @@ export class JobList extends HTMLElement {
     this.#draw();
   }
 
+  /** A job that is no more. @param {string} id */
+  drop(id) {
+    this.#jobs = this.jobs.filter((job) => job.id !== id);
+    this.#ticks?.jobs.delete(id);
+    this.#draw();
+    this.dispatchEvent(new CustomEvent("tick"));
+  }
+
+  /**
+   * @param {Job} job
+   * @param {string[]} runs
+   * @param {boolean} on
+   */
+  #tick(job, runs, on) {
+    const ticks = this.#ticks;
+    if (!ticks) return;
+    for (const run of runs) ticks.runs[on ? "add" : "delete"](run);
+    const whole = job.runs.length > 1 && runs.length === 1 ? job.runs.every((run) => ticks.runs.has(run.id)) : on;
+    ticks.jobs[whole ? "add" : "delete"](job.id);
+    this.#draw();
+    this.dispatchEvent(new CustomEvent("tick"));
+  }
+
+  /** The arrows go from row to row. @param {KeyboardEvent} event */
+  #key(event) {
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    const row = /** @type {HTMLElement} */ (event.target).closest("li");
+    if (!step || !row || event.ctrlKey || event.altKey || event.metaKey) return;
+    const next = step > 0 ? row.nextElementSibling : row.previousElementSibling;
+    const same = /** @type {HTMLElement} */ (event.target).matches("input") ? "input" : "a";
+    event.preventDefault();
+    /** @type {HTMLElement | null | undefined} */ (next?.querySelector(same))?.focus();
+  }
+
   #draw() {
     const jobs = this.jobs.slice(0, this.limit);
-    const focused = this.contains(document.activeElement)
-      ? document.activeElement?.getAttribute("href")
-      : null;
+    const focused = /** @type {HTMLElement | null} */ (this.contains(document.activeElement) ? document.activeElement : null);
+    const kept = focused && (focused.dataset.tick ? `[data-tick="${focused.dataset.tick}"]` : `a[href="${focused.getAttribute("href")}"]`);
     show(
       this,
       jobs.length
-        ? h("ul", { class: "jobs card" }, jobs.map((job) => h("li", null, row(job))))
+        ? h("ul", { class: "jobs card" }, jobs.map((job) => jobRow(job, this.#ticks)))
         : h(
             "div",
             { class: "empty card" },
-            h("p", null, "Nothing has run here yet."),
-            h("p", { class: "soft" }, "Press Run on a study: it computes in the background and stays in this list."),
+            h("p", null, this.empty[0]),
+            h("p", { class: "soft" }, this.empty[1]),
           ),
       this.#further(),
     );
-    if (focused) /** @type {HTMLElement | null} */ (this.querySelector(`a[href="${focused}"]`))?.focus();
+    if (kept) /** @type {HTMLElement | null} */ (this.querySelector(kept))?.focus();
   }
 
   #further() {
@@ -92,26 +150,6 @@ export class JobList extends HTMLElement {
  */
 function isNewer(job, first) {
   return !first || Date.parse(job.created) >= Date.parse(first.created);
-}
-
-/** @param {Job} job */
-function row(job) {
-  const fraction = job.progress?.fraction ?? 0;
-  const active = job.state === "running";
-  const counted = active && job.kind !== "modes";
-  return h(
-    "a",
-    { href: link("jobs", job.id) },
-    h("span", { class: "job-name" }, job.name || job.kind),
-    h("span", { class: "soft small job-what" }, subject(job)),
-    h("span", { class: `tag ${job.state}` }, counted ? `${number(Math.floor(fraction * 100))} %` : stateText(job.state)),
-    h(
-      "span",
-      { class: "soft small job-when" },
-      active ? remaining(job.progress?.remaining) : ago(job.ended ?? job.started ?? job.created, Date.now()),
-    ),
-    counted && h("progress", { max: 1, value: fraction, "aria-label": `Progress of ${job.name}` }),
-  );
 }
 
 customElements.define("tb-job-list", JobList);

@@ -1,166 +1,162 @@
 // @ts-check
-/** 3D view above stacked plots, one time cursor for all; the address remembers window and time. */
-import { Chart } from "./chart.js";
+/**
+ * The 3D view, the time bar under it and the histories of a chosen point: what stays in sight
+ * whatever tab is open. The keys are here too.
+ */
+import { KeyHelp } from "./key-help.js";
+import { PointPlots } from "./point-plots.js";
 import { TimeBar } from "./time-bar.js";
 import { ViewerFrame } from "./viewer-frame.js";
 import { h, show } from "../dom.js";
-import { remember } from "../router.js";
 import { pleasingScale } from "../scale.js";
-import { store } from "../store.js";
-import { TimeCursor } from "../time-cursor.js";
+import { actionOf } from "../time-keys.js";
 
-/** @typedef {import("./chart.js").TimeWindow} TimeWindow */
+/** @typedef {import("../run-view.js").RunView} RunView */
+/** @typedef {import("../moment.js").Moment} Moment */
+/** @typedef {{ run: string, view: RunView, library: string, modal?: boolean }} InstrumentOptions */
 
-const FIGURES = [
-  ["slab-acceleration", "Vertical acceleration"],
-  ["contact-force", "Contact force"],
-  ["displacement", "Displacement"],
-];
-/** Live curves are fetched again at most this often. [ms] */
-const PACE = 1500;
+/** One swing of a mode takes this long at rate 1. [s] */
+const SWING = 1;
+const LEAP = 10;
 
 export class RunInstrument extends HTMLElement {
-  #cursor = new TimeCursor();
+  /** @type {RunView | null} */
+  #view = null;
   #ended = new AbortController();
-  /** @type {Chart[]} */
-  #charts = [];
   #viewer = /** @type {ViewerFrame} */ (h("tb-viewer-frame"));
-  #whole = h("button", { type: "button", class: "quiet", hidden: true, onclick: () => this.#zoom(null) }, "Whole run");
-  #state = "";
+  #bar = /** @type {TimeBar} */ (h("tb-time-bar"));
+  #points = /** @type {PointPlots} */ (h("tb-point-plots", { hidden: true }));
+  #help = /** @type {KeyHelp} */ (h("tb-key-help"));
+  /** @type {readonly Moment[]} */
+  #moments = [];
   /** The cursor goes where the computation is, until somebody takes it. */
   #following = true;
-  /** @type {number | null} */
-  #suggested = null;
-  #drawnAt = 0;
-  #refreshing = false;
+  /** What the address asks for, once the run's length is known. @type {number | null} */
+  #asked = null;
 
-  /** @param {{ run: string, query: URLSearchParams }} options */
-  async bind({ run, query }) {
-    const meta = await store.get("meta");
-    const bar = /** @type {TimeBar} */ (h("tb-time-bar"));
-    bar.cursor = this.#cursor;
-    const window = windowOf(query);
-    this.#whole.hidden = window === null;
-    this.#charts = FIGURES.map(([name, title]) => {
-      const chart = /** @type {Chart} */ (h("tb-chart"));
-      chart.bind({ run, name, title, library: meta.plotly_url, window });
-      return chart;
-    });
-    this.#viewer.bind({ run, cursor: this.#cursor, fallback: h("div", { class: "viewer-wait" }, h("p", { class: "soft" }, "The 3D view opens with the first steps.")) });
-    show(this, this.#viewer, bar, h("div", { class: "row spread section-head" }, h("h2", null, "Histories"), this.#whole), this.#charts);
-    this.#listen(query);
-    await this.#refresh();
-    this.#openViewer();
-  }
-
-  #openViewer() {
-    void this.#viewer.start({ computing: this.#state === "running" });
-  }
-
-  /** Shows a time of interest, unless somebody has chosen another. @param {number} time */
-  suggest(time) {
-    this.#suggested = time;
-    if (this.#following && this.#cursor.end > 0) this.#cursor.follow(time);
+  /** @param {InstrumentOptions} options */
+  bind({ run, view, library, modal = false }) {
+    this.#view = view;
+    this.#asked = view.look.time;
+    this.#following = this.#asked === null;
+    this.#bar.cursor = view.cursor;
+    this.#viewer.bind({ run, view });
+    if (!modal) this.#points.bind({ run, view, library });
+    show(this, this.#viewer, this.#bar, this.#points, this.#help);
+    const signal = this.#ended.signal;
+    view.cursor.addEventListener("change", (event) => this.#move(/** @type {CustomEvent} */ (event).detail.reason), { signal });
+    this.addEventListener("help", () => this.#help.open());
+    addEventListener("keydown", (event) => this.#key(event), { signal });
+    if (modal) this.#swing();
   }
 
   disconnectedCallback() {
+    this.#view?.cursor.pause();
     this.#ended.abort();
   }
 
+  /** @returns {ViewerFrame} */
+  get viewer() {
+    return this.#viewer;
+  }
+
+  /** Another run of the same job; the place stays, the time goes to the run's own moment. @param {string} run */
+  set run(run) {
+    this.#following = true;
+    this.#viewer.run = run;
+    this.#points.run = run;
+  }
+
+  /** Times worth a look; the first is shown unless somebody has chosen another. @param {readonly Moment[]} moments */
+  set moments(moments) {
+    this.#moments = moments;
+    this.#bar.moments = moments;
+    this.#goFirst();
+  }
+
   /**
-   * How far the run is; live curves are fetched again, at a calm pace.
+   * The displacements of the run so far: how long it is, where the train is at a time, which scale
+   * of the deformation suits it.
+   *
+   * @param {import("../types.js").Figure} figure
+   */
+  set overview({ layout, table }) {
+    const { end, window_start: first, speed, start_position: start } = layout.meta;
+    this.#viewer.propose(pleasingScale(table));
+    const cursor = /** @type {RunView} */ (this.#view).cursor;
+    this.#viewer.stills.motion = { speed, start };
+    if (cursor.end === end) return;
+    cursor.setRange(0, end);
+    if (this.#asked !== null) cursor.follow(this.#asked);
+    else if (this.#moments.length) this.#goFirst();
+    else cursor.follow(first);
+    this.#asked = null;
+  }
+
+  /**
+   * How far the run is.
    *
    * @param {string} state
    * @param {number | null} time simulated time [s]
    */
   progress(state, time) {
-    const ended = state !== this.#state && state !== "running";
-    this.#state = state;
-    if (!this.#charts.length) return;
-    this.#openViewer();
-    if (this.#following && time !== null && state === "running") this.#cursor.follow(time);
-    if (ended || performance.now() - this.#drawnAt > PACE) void this.#refresh();
+    void this.#viewer.start({ computing: state === "running" });
+    if (this.#following && time !== null && state === "running") this.#view?.cursor.follow(time);
+    if (state !== "queued") this.#points.refresh();
   }
 
-  async #refresh() {
-    if (this.#refreshing) return;
-    this.#refreshing = true;
-    const state = this.#state;
-    await Promise.all(this.#charts.map((chart) => chart.refresh()));
-    this.#drawnAt = performance.now();
-    this.#refreshing = false;
-    // The end came while older curves were on their way.
-    if (state !== this.#state) void this.#refresh();
+  #goFirst() {
+    const cursor = this.#view?.cursor;
+    if (this.#following && cursor && cursor.end > 0 && this.#moments.length) cursor.follow(this.#moments[0].time);
   }
 
-  /** @param {URLSearchParams} query */
-  #listen(query) {
-    const signal = this.#ended.signal;
-    const asked = Number(query.get("t") ?? Number.NaN);
-    this.#following = !Number.isFinite(asked);
-    this.#charts[0].addEventListener(
-      "figure",
-      (event) => {
-        const { end, window_start: first } = /** @type {CustomEvent} */ (event).detail.layout.meta;
-        if (this.#cursor.end === end) return;
-        this.#cursor.setRange(0, end);
-        this.#cursor.follow(Number.isFinite(asked) ? asked : (this.#suggested ?? first));
-      },
-      { signal },
-    );
-    this.#charts[2].addEventListener(
-      "figure",
-      (event) => this.#viewer.propose(pleasingScale(/** @type {CustomEvent} */ (event).detail.table)),
-      { signal },
-    );
-    this.addEventListener("zoom", (event) => this.#zoom(/** @type {CustomEvent} */ (event).detail), { signal });
-    this.addEventListener("seek", (event) => this.#cursor.seek(/** @type {CustomEvent} */ (event).detail.time), { signal });
-    this.#cursor.addEventListener("change", (event) => this.#move(/** @type {CustomEvent} */ (event).detail), { signal });
-    addEventListener("keydown", (event) => this.#key(event), { signal });
+  /** A mode swings on and on; with reduced motion it rests at its greatest. */
+  #swing() {
+    const cursor = /** @type {RunView} */ (this.#view).cursor;
+    cursor.looping = true;
+    cursor.interval = SWING / 36;
+    cursor.setRate(0.5);
+    cursor.setRange(0, SWING);
+    const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    if (this.#asked !== null || still) cursor.follow(this.#asked ?? 0);
+    else cursor.play();
   }
 
-  /** @param {import("../time-cursor.js").CursorState & { reason: string }} state */
-  #move({ time, reason }) {
-    for (const chart of this.#charts) chart.time = time;
+  /** @param {string} reason */
+  #move(reason) {
     if (reason === "seek" || reason === "play") this.#following = false;
-    if (reason === "seek" || reason === "pause") remember("t", time.toFixed(4));
     if (reason === "play") requestAnimationFrame((now) => this.#tick(now));
   }
 
   /** @param {number} now */
   #tick(now) {
-    if (!this.#cursor.playing || this.#ended.signal.aborted) return;
-    this.#cursor.tick(now);
+    const cursor = this.#view?.cursor;
+    if (!cursor?.playing || this.#ended.signal.aborted) return;
+    cursor.tick(now);
     requestAnimationFrame((next) => this.#tick(next));
   }
 
-  /** @param {TimeWindow} window */
-  #zoom(window) {
-    for (const chart of this.#charts) chart.window = window;
-    this.#whole.hidden = window === null;
-    remember("from", window && window.from.toFixed(4));
-    remember("to", window && window.to.toFixed(4));
-  }
-
-  /** Space plays and pauses, unless a control wants it. @param {KeyboardEvent} event */
+  /** @param {KeyboardEvent} event */
   #key(event) {
-    const target = /** @type {HTMLElement} */ (event.target);
-    if (event.code !== "Space" || target.closest("button, a, input, select, summary")) return;
+    const cursor = this.#view?.cursor;
+    const target = event.target instanceof Element ? event.target : null;
+    const action = actionOf(event, target);
+    if (!action || !cursor || cursor.end <= cursor.start || this.hidden) return;
     event.preventDefault();
-    this.#cursor.toggle();
+    const peak = this.#moments[0];
+    const acts = {
+      toggle: () => cursor.toggle(),
+      forward: () => cursor.step(1),
+      back: () => cursor.step(-1),
+      "leap-forward": () => cursor.step(LEAP),
+      "leap-back": () => cursor.step(-LEAP),
+      faster: () => cursor.changeRate(1),
+      slower: () => cursor.changeRate(-1),
+      peak: () => peak && (cursor.pause(), cursor.seek(peak.time)),
+      help: () => this.#help.open(),
+    };
+    acts[action]();
   }
-}
-
-/**
- * The window that an address asks for.
- *
- * @param {URLSearchParams} query
- * @returns {TimeWindow}
- */
-function windowOf(query) {
-  const from = Number(query.get("from") ?? Number.NaN);
-  const to = Number(query.get("to") ?? Number.NaN);
-  return from < to ? { from, to } : null;
 }
 
 customElements.define("tb-run-instrument", RunInstrument);

@@ -1,201 +1,170 @@
 // @ts-check
 /**
- * The inputs of a study, drawn from the solver's schema. Emits `study` with the changed study.
- *
- * The first group is what most people change; every other input is folded below, nothing is left
- * out.
+ * The inputs of a study, drawn from the solver's schema in sections: basic ones open, the others
+ * folded. Emits what its inputs emit; the page keeps the study.
  */
 import { h, show } from "../dom.js";
-import { label } from "../format.js";
-import { at, nearest, withValue } from "../pointer.js";
-import { chosen, defaults, field, fieldsUnder, schemaAt, variants } from "../schema.js";
-import { FORMULAS, titleOf } from "../titles.js";
-import { FieldInput } from "./field.js";
+import { planOf } from "../form-plan.js";
+import { at, nearest } from "../pointer.js";
+import { schemaAt } from "../schema.js";
+import { folded, inputs, sectionsOf } from "../sections.js";
+import { same } from "../difference.js";
+import { LibraryChoice, libraryKind } from "./library-choice.js";
+import { focusOf, refocus } from "./study-focus.js";
+import { StudyChoice } from "./study-choice.js";
+import { nodeElements } from "./study-nodes.js";
 
-/** @typedef {import("../types.js").Study} Study */
 /** @typedef {import("../types.js").Finding} Finding */
-/** @typedef {import("../schema.js").Schema} Schema */
-/** @typedef {import("../schema.js").Field} Field */
-
-/** What most people change, in this order. */
-const BASIC = ["/name", "/sweep/speeds", "/mesh_level", "/line_speed", "/outputs/cut_off_frequency"];
-/** The union whose alternative is chosen in the first group. */
-const IRREGULARITY = "/irregularity";
-const HIDDEN = new Set(["/schema_version"]);
+/** @typedef {import("../form-plan.js").Node} Node */
+/** @typedef {import("../sections.js").Section} Section */
+/** @typedef {import("../study-model.js").StudyModel} StudyModel */
+/** @typedef {import("./study-nodes.js").Place} Place */
 
 export class StudyForm extends HTMLElement {
-  /** @type {Study} */
-  #study = {};
-  /** @type {Schema} */
-  #document = {};
-  /** @type {Schema} */
-  #schema = {};
+  /** @type {StudyModel | null} */
+  #model = null;
+  /** Sections whose advanced inputs are unfolded. @type {Set<string>} */
+  #open = new Set();
+  /** @type {{ errors: Finding[], warnings: Finding[] }} */
+  #findings = { errors: [], warnings: [] };
 
-  connectedCallback() {
-    this.addEventListener("edit", (event) => {
-      const { pointer, value } = /** @type {CustomEvent} */ (event).detail;
-      if (value !== undefined) this.#change(pointer, value);
-      else this.dispatchEvent(new CustomEvent("broken", { bubbles: true }));
-    });
+  /** @param {StudyModel} model */
+  bind(model) {
+    this.#model = model;
+    this.draw();
   }
 
-  /**
-   * @param {Study} study
-   * @param {Schema} document the OpenAPI document
-   */
-  bind(study, document) {
-    this.#study = study;
-    this.#document = document;
-    this.#schema = document.components?.schemas?.Study ?? {};
-    this.#draw();
+  /** Every input anew, as after a change that is not typing; focus and folds stay. */
+  draw() {
+    const model = this.#model;
+    if (!model) return;
+    const focused = focusOf(this);
+    const keys = Object.keys(model.schema.properties ?? {});
+    show(this, this.#name(model), sectionsOf(keys, model.kind).map((section) => this.#section(section, model)));
+    this.place(this.#findings.errors, this.#findings.warnings);
+    this.refresh();
+    refocus(this, focused);
   }
 
-  /** Whether a field holds no value at all. */
+  /** Marks what differs from the template, at inputs and sections. */
+  refresh() {
+    const model = this.#model;
+    if (!model) return;
+    /** Parts of another kind than the template's: the choice bears the mark, not what it holds. @type {string[]} */
+    const other = [];
+    for (const place of this.#places()) {
+      const pointer = place.dataset.pointer ?? "";
+      const [before, now] = [model.before(pointer), at(model.study, pointer)];
+      const choice = place instanceof StudyChoice;
+      const changed = choice ? !place.sameKind(before, now) : before !== undefined && !same(before, now);
+      const inside = other.some((part) => pointer.startsWith(`${part}/`));
+      place.mark(before, changed && !inside);
+      if (choice && changed) other.push(pointer);
+    }
+    for (const section of this.querySelectorAll("section")) {
+      const count = section.querySelectorAll(".changed").length;
+      const mark = section.querySelector(".section-mark");
+      if (mark) show(mark, count ? [h("span", { class: "dot", "aria-hidden": "true" }), `${count} changed`] : null);
+    }
+  }
+
+  /** The sections as they are drawn, for the links that lead to them. @returns {HTMLElement[]} */
+  get sections() {
+    return [.../** @type {NodeListOf<HTMLElement>} */ (this.querySelectorAll("section[id]"))];
+  }
+
+  /** Whether an input holds no value at all. */
   get broken() {
-    return this.#fields().some((item) => item.broken);
+    return this.#places().some((place) => place.broken);
   }
 
-  /** The fields with something to mend. @returns {FieldInput[]} */
+  /** The inputs with something to mend. @returns {Place[]} */
   get marked() {
-    return this.#fields().filter((item) => item.classList.contains("invalid"));
+    return this.#places().filter((place) => place.classList.contains("invalid"));
   }
 
   /**
-   * Shows each finding at its field.
+   * Shows each finding at its input.
    *
-   * @param {Finding[]} findings
-   * @returns {Finding[]} those that belong to no field
+   * @param {Finding[]} errors
+   * @param {Finding[]} warnings
+   * @returns {{ errors: Finding[], warnings: Finding[] }} those that belong to none
    */
-  place(findings) {
-    const fields = this.#fields();
-    const pointers = fields.map((item) => item.dataset.pointer ?? "");
-    const homes = findings.map((finding) => nearest(finding.pointer, pointers));
-    for (const item of fields) {
-      item.findings = findings.filter((_, index) => homes[index] === item.dataset.pointer);
+  place(errors, warnings) {
+    this.#findings = { errors, warnings };
+    const places = this.#places();
+    const pointers = places.map((place) => place.dataset.pointer ?? "");
+    /** @param {Finding} finding */
+    const home = (finding) => nearest(finding.pointer, pointers);
+    for (const place of places) {
+      const own = /** @param {Finding} finding */ (finding) => home(finding) === place.dataset.pointer;
+      place.place(errors.filter(own), warnings.filter(own));
+      const hidden = errors.some(own) ? place.closest("details") : null;
+      if (hidden) hidden.open = true;
     }
-    for (const item of fields) {
-      const folded = item.closest("details");
-      if (folded && homes.includes(item.dataset.pointer ?? "")) folded.open = true;
-    }
-    return findings.filter((_, index) => homes[index] === null);
+    const lost = /** @param {Finding} finding */ (finding) => home(finding) === null;
+    return { errors: errors.filter(lost), warnings: warnings.filter(lost) };
   }
 
-  #fields() {
-    return [.../** @type {NodeListOf<FieldInput>} */ (this.querySelectorAll("tb-field"))];
+  /** @returns {Place[]} */
+  #places() {
+    return [.../** @type {NodeListOf<Place>} */ (this.querySelectorAll("tb-field, tb-choice, tb-table"))];
   }
 
-  /**
-   * @param {string} pointer
-   * @param {any} value
-   */
-  #change(pointer, value) {
-    this.#study = withValue(this.#study, pointer, value);
-    this.dispatchEvent(new CustomEvent("study", { detail: this.#study, bubbles: true }));
+  /** @param {string} pointer @param {StudyModel} model */
+  #plan(pointer, model) {
+    const part = schemaAt(model.schema, model.study, pointer, model.document);
+    return part && planOf(part, at(model.study, pointer), pointer, model.document);
   }
 
-  #draw() {
-    const basic = BASIC.map((pointer) => this.#fieldAt(pointer)).filter((item) => item !== null);
-    show(
-      this,
-      h("fieldset", { class: "card" }, h("legend", null, "Crossing"), h("div", { class: "fields" }, basic)),
-      this.#irregularity(),
-      Object.keys(chosen(this.#schema, this.#study, this.#document).properties ?? {})
-        .filter((key) => `/${key}` !== IRREGULARITY)
-        .map((key) => this.#section(key)),
-    );
+  /** @param {StudyModel} model */
+  #name(model) {
+    const node = this.#plan("/name", model);
+    return node && h("section", { class: "card section", "aria-label": "Study" }, nodeElements([node], model.study));
   }
 
-  #irregularity() {
-    const part = schemaAt(this.#schema, this.#study, IRREGULARITY, this.#document);
-    if (!part) return null;
-    const value = at(this.#study, IRREGULARITY);
-    const choices = variants(part, this.#document);
-    const inner = fieldsUnder(part, value, IRREGULARITY, this.#document);
+  /** @param {Section} section @param {StudyModel} model */
+  #section(section, model) {
+    const nodes = section.parts.map((pointer) => this.#plan(pointer, model)).filter((node) => node !== null);
+    const { basic, advanced } = folded(nodes);
+    if (!basic.length && !advanced.length) return null;
+    const id = `section-${section.name}`;
     return h(
-      "fieldset",
-      { class: "card" },
-      h("legend", null, "Irregularity of the rails"),
-      h(
-        "div",
-        { class: "choices", role: "radiogroup", "aria-label": "Kind of irregularity" },
-        choices.map(({ tag, schema }) =>
-          h(
-            "label",
-            { class: "choice" },
-            h("input", {
-              type: "radio",
-              name: "irregularity",
-              value: tag,
-              checked: value?.type === tag,
-              onchange: () => this.#choose(tag, schema),
-            }),
-            titleOf(tag),
-            FORMULAS[tag] && h("span", { class: "soft" }, FORMULAS[tag]),
-          ),
-        ),
-      ),
-      inner.length > 0 && h("div", { class: "fields" }, inner.map((item) => this.#input(item))),
-    );
+      "section",
+      { class: "card section", id, "aria-labelledby": `${id}-title`, tabindex: "-1" },
+      h("div", { class: "section-title" },
+        h("h2", { id: `${id}-title` }, section.title),
+        h("span", { class: "section-mark" }),
+        this.#library(section)),
+      nodeElements(basic, model.study),
+      advanced.length > 0 && this.#advanced(section, advanced, model),
+    ); // prettier-ignore
   }
 
-  /**
-   * @param {string} tag
-   * @param {Schema} schema
-   */
-  #choose(tag, schema) {
-    this.#change(IRREGULARITY, { ...defaults(schema, this.#document), type: tag });
-    this.#draw();
-    /** @type {HTMLElement | null} */ (this.querySelector(`input[value="${tag}"]`))?.focus();
-  }
-
-  /** @param {string} key */
-  #section(key) {
-    const part = schemaAt(this.#schema, this.#study, `/${key}`, this.#document);
-    const fields = fieldsUnder(part ?? {}, this.#study[key], `/${key}`, this.#document).filter(
-      (item) => !BASIC.includes(item.pointer) && !HIDDEN.has(item.pointer),
-    );
-    if (!fields.length) return null;
+  /** @param {Section} section @param {Node[]} nodes @param {StudyModel} model */
+  #advanced(section, nodes, model) {
+    const count = nodes.reduce((sum, node) => sum + inputs(node), 0);
     return h(
       "details",
-      { class: "card section" },
-      h("summary", null, label(key), h("span", { class: "soft small" }, `${fields.length} input${fields.length > 1 ? "s" : ""}`)),
-      groups(fields).map(([title, items]) => [
-        title && h("h3", null, title),
-        h("div", { class: "fields" }, items.map((item) => this.#input(item))),
-      ]),
+      {
+        class: "advanced",
+        open: this.#open.has(section.name),
+        ontoggle: (/** @type {any} */ event) => this.#open[event.target.open ? "add" : "delete"](section.name),
+      },
+      h("summary", null, `${section.title}, advanced`, h("span", { class: "soft small" }, `${count} more input${count > 1 ? "s" : ""}`)),
+      nodeElements(nodes, model.study),
     );
   }
 
-  /** @param {string} pointer */
-  #fieldAt(pointer) {
-    const part = schemaAt(this.#schema, this.#study, pointer, this.#document);
-    const found = part && field(part, at(this.#study, pointer), pointer, this.#document);
-    return found ? this.#input(found) : null;
+  /** @param {Section} section */
+  #library(section) {
+    const kind = libraryKind(section.name);
+    const [pointer] = section.parts;
+    if (!kind) return null;
+    const choice = /** @type {LibraryChoice} */ (h("tb-library-choice"));
+    choice.bind(kind, section.title, pointer);
+    return choice;
   }
-
-  /** @param {Field} item */
-  #input(item) {
-    const element = /** @type {FieldInput} */ (h("tb-field"));
-    element.bind(item, at(this.#study, item.pointer));
-    return element;
-  }
-}
-
-/**
- * Fields by the part of the section that holds them, in order.
- *
- * @param {Field[]} fields
- * @returns {[string, Field[]][]}
- */
-function groups(fields) {
-  /** @type {Map<string, Field[]>} */
-  const found = new Map();
-  for (const item of fields) {
-    const inner = item.pointer.split("/").slice(2, -1);
-    const title = inner.map((part) => (/^\d+$/.test(part) ? `${Number(part) + 1}` : label(part))).join(" ");
-    found.set(title, [...(found.get(title) ?? []), item]);
-  }
-  return [...found];
 }
 
 customElements.define("tb-study-form", StudyForm);

@@ -1,85 +1,87 @@
 // @ts-check
-/** What the server's check says of a study: estimate, derived values, warnings, other errors. */
+/** What the server's check says of a study: what it costs, derived values, warnings, stray errors. */
 import { h, show } from "../dom.js";
-import { bytes, label, number, quantity, roughly } from "../format.js";
-import { sentence } from "./field.js";
+import { bytes, number, quantity, roughly } from "../format.js";
+import { nameOf } from "../schema.js";
+import { titleOf, words } from "../titles.js";
+import { sentence } from "./finding-lines.js";
 
 /** @typedef {import("../types.js").Report} Report */
 /** @typedef {import("../types.js").Finding} Finding */
+/** @typedef {import("../types.js").Estimate} Estimate */
 
 export class StudyReport extends HTMLElement {
   /**
    * @param {Report | null} report
-   * @param {Finding[]} elsewhere errors that no field of the form shows
+   * @param {{ errors: Finding[] }} elsewhere those that no input shows
    */
-  update(report, elsewhere) {
-    const estimate = report?.estimate;
+  update(report, { errors }) {
+    const { estimate = null, warnings = [], derived = {} } = report ?? {};
+    this.hidden = !report?.estimate && !errors.length;
     show(
       this,
-      elsewhere.map((finding) =>
-        h("div", { class: "notice bad", role: "alert" }, h("div", null, h("p", null, sentence(finding)), finding.pointer && h("p", { class: "mono" }, finding.pointer))),
+      errors.map(({ pointer, ...finding }) =>
+        h("div", { class: "notice bad", role: "alert" }, h("div", null, h("p", null, sentence({ pointer, ...finding })), pointer && h("p", { class: "mono" }, pointer))),
       ),
-      (report?.warnings ?? []).map((finding) =>
-        h("div", { class: "notice wait" }, h("p", null, sentence({ ...finding, reason: `${subject(finding)} ${finding.reason}` }))),
-      ),
-      estimate &&
-        h(
-          "dl",
-          { class: "facts" },
-          fact("Time", roughly(estimate.seconds)),
-          fact("Steps", number(estimate.steps, 4)),
-          fact("Unknowns", number(estimate.unknowns, 3)),
-          fact("Memory", bytes(estimate.memory_bytes)),
-          fact("Disk", bytes(estimate.disk_bytes)),
-          (estimate.runs ?? 1) > 1 && fact("Runs", number(estimate.runs)),
-        ),
-      derived(report),
+      estimate && cost(estimate),
+      warnings.map((finding) => h("div", { class: "notice wait" }, h("p", null, h("strong", null, subject(finding)), ": ", sentence(finding)))),
+      Object.keys(derived).length > 0 &&
+        h("section", { class: "derived" }, h("h3", null, "What follows"), h("dl", null, Object.entries(derived).map(([name, item]) => row(item.title || words(name), item)))),
     );
   }
 }
 
+/** @param {Estimate} estimate */
+function cost(estimate) {
+  const runs = estimate.runs ?? 1;
+  return [
+    h(
+      "dl",
+      { class: "cost" },
+      fact(runs > 1 ? `Time, ${number(runs)} runs` : "Time", roughly(estimate.seconds)),
+      fact("Memory", bytes(estimate.memory_bytes)),
+      fact("Disk", bytes(estimate.disk_bytes)),
+      fact("Unknowns", number(estimate.unknowns, 4)),
+      fact("Steps", number(estimate.steps, 6)),
+    ),
+    estimate.basis && h("p", { class: "soft small" }, `Basis: ${estimate.basis}.`),
+  ];
+}
+
 /**
- * What a finding speaks of: its field and value.
+ * What a warning speaks of: its field, and the value where it is short.
  *
  * @param {Finding} finding
  */
 function subject({ pointer, value }) {
-  const name = pointer.split("/").filter((part) => part && !/^\d+$/.test(part)).pop() ?? "study";
-  const shown = typeof value === "string" || typeof value === "number" ? ` ${value}` : "";
-  return `${label(name)}${shown}`;
+  const own = pointer.replace(/^\/study(?=\/|$)/, "").replace(/(\/\d+)+$/, "");
+  const shown = typeof value === "string" && value.length < 24 ? ` ${words(value).toLowerCase()}` : "";
+  return `${titleOf(own, own ? nameOf(own) : "Study")}${shown}`;
 }
 
-/** @param {Report | null} report */
-function derived(report) {
-  const rows = Object.entries(report?.derived ?? {});
-  if (!rows.length) return null;
-  return h(
-    "details",
-    { class: "derived" },
-    h("summary", null, "Derived values"),
-    h(
-      "dl",
-      null,
-      rows.map(([name, item]) => fact(item.title || label(name), value(item))),
-    ),
-  );
+/**
+ * @param {string} title
+ * @param {import("../types.js").Quantity} item
+ */
+function row(title, item) {
+  return fact(title, text(item));
 }
 
 /**
  * @param {import("../types.js").Quantity} item
  * @returns {string}
  */
-function value(item) {
-  if (Array.isArray(item.value)) return item.value.map((part) => value({ ...item, value: part })).join(", ");
+function text(item) {
+  if (Array.isArray(item.value)) return item.value.map((part) => text({ ...item, value: part })).join(", ");
   return typeof item.value === "number" ? quantity(item.value, item.unit, 4) : String(item.value);
 }
 
 /**
  * @param {string} term
- * @param {string} text
+ * @param {string} words
  */
-function fact(term, text) {
-  return h("div", null, h("dt", null, term), h("dd", null, text));
+function fact(term, words) {
+  return h("div", null, h("dt", null, term), h("dd", null, words));
 }
 
 customElements.define("tb-study-report", StudyReport);

@@ -3,48 +3,24 @@
 import { h, s, show } from "../dom.js";
 import { number, roughly, speed } from "../format.js";
 import { link } from "../router.js";
+import { Elevation } from "./elevation.js";
 
 /** @typedef {import("../types.js").Template} Template */
-/** @typedef {import("../types.js").Report} Report */
 
 export class TemplateCard extends HTMLElement {
   /** @type {Template | null} */
   #template = null;
-  /** @type {HTMLElement | null} */
-  #facts = null;
-  /** @type {HTMLButtonElement | null} */
-  #run = null;
+  #run = h("button", { class: "primary", type: "button", onclick: () => this.#ask() });
 
   /** @param {Template} template */
   set template(template) {
     this.#template = template;
-    this.#draw(template);
-  }
-
-  /** What the server's check said of it. @param {Report} report */
-  set report(report) {
-    if (this.#facts && this.#template) show(this.#facts, facts(this.#template, report.estimate));
-  }
-
-  /** Whether it is on its way to the queue. @param {boolean} busy */
-  set busy(busy) {
-    if (!this.#run) return;
-    this.#run.disabled = busy;
-    show(this.#run, busy ? "Starting…" : [play(), "Run"]);
-  }
-
-  /** @param {Template} template */
-  #draw(template) {
-    const drawing = /** @type {import("./elevation.js").Elevation} */ (h("tb-elevation"));
+    const drawing = /** @type {Elevation} */ (h("tb-elevation"));
+    drawing.scope = template.kind === "modes" ? (template.study.modes?.part ?? "viaduct") : "crossing";
     drawing.study = template.study;
     this.classList.add("card", "template");
-    this.#facts = h("dl", { class: "facts" }, facts(template, template.estimate ?? null));
-    this.#run = h(
-      "button",
-      { class: "primary", type: "button", onclick: () => this.#ask(), "aria-label": `Run ${template.title}` },
-      play(),
-      "Run",
-    );
+    this.#run.setAttribute("aria-label", `Run ${template.title}`);
+    this.busy = false;
     show(
       this,
       h("div", { class: "picture" }, drawing),
@@ -53,7 +29,7 @@ export class TemplateCard extends HTMLElement {
         { class: "words" },
         h("h2", null, template.title),
         h("p", { class: "soft" }, template.description),
-        this.#facts,
+        h("dl", { class: "facts" }, facts(template)),
         h(
           "div",
           { class: "row" },
@@ -62,6 +38,12 @@ export class TemplateCard extends HTMLElement {
         ),
       ),
     );
+  }
+
+  /** Whether it is on its way to the queue. @param {boolean} busy */
+  set busy(busy) {
+    this.#run.disabled = busy;
+    show(this.#run, busy ? "Starting…" : [play(), "Run"]);
   }
 
   #ask() {
@@ -73,20 +55,20 @@ function play() {
   return s("svg", { viewBox: "0 0 12 12", width: 12, height: 12, "aria-hidden": "true" }, s("path", { d: "M2 1 L11 6 L2 11 Z", fill: "currentColor" }));
 }
 
-/**
- * @param {Template} template
- * @param {import("../types.js").Estimate | null} estimate
- */
-function facts(template, estimate) {
-  const speeds = template.study.sweep?.speeds ?? [];
+/** @param {Template} template */
+function facts({ kind, study, estimate }) {
   return [
-    pair("Speed", speeds.length > 1 ? `${speeds.length} speeds` : speeds.length ? speed(speeds[0]) : "–"),
-    template.study.mesh_level && template.study.viaduct?.type !== "beam"
-      ? pair("Mesh", template.study.mesh_level)
-      : pair("Steps", estimate ? number(estimate.steps, 3) : "…"),
-    pair("Unknowns", estimate ? number(estimate.unknowns, 2) : "…"),
-    pair("Time", estimate ? roughly(estimate.seconds) : "…"),
+    kind === "modes" ? pair("Modes", `up to ${number(study.modes?.count)}`) : speeds(study.sweep?.speeds ?? []),
+    pair("Unknowns", number(estimate?.unknowns, 2)),
+    pair("Time", roughly(estimate?.seconds)),
   ];
+}
+
+/** One speed, or the span of several. @param {number[]} values [m/s] */
+function speeds(values) {
+  if (values.length < 2) return pair("Speed", values.length ? speed(values[0]) : "–");
+  const [low, high] = [Math.min(...values), Math.max(...values)].map((value) => speed(value));
+  return pair(`${values.length} speeds`, `${low.replace(" km/h", "")} to ${high}`);
 }
 
 /**

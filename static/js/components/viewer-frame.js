@@ -1,69 +1,89 @@
 // @ts-check
 /**
- * The 3D view of a run: an iframe of the server's viewer, steered by the page's time cursor.
+ * The 3D view of a run: an iframe of the server's viewer, steered by what the page looks at.
  *
- * Everything the page knows of the viewer is in this file. The page owns the time: while playing,
- * both sides move at the same rate, and the page sets the viewer right every two seconds.
+ * The page owns the time: while playing, both sides move at the same rate, and the page sets the
+ * viewer right every two seconds. A click in the view becomes the page's `place`.
  */
-import { api } from "../api.js";
+import { ColourBar } from "./colour-bar.js";
+import { ViewerControls } from "./viewer-controls.js";
+import { ViewerMessage } from "./viewer-message.js";
+import { ViewerStills } from "./viewer-stills.js";
 import { h, show } from "../dom.js";
 import { webGraphics } from "../graphics.js";
+import { store } from "../store.js";
+import { currentTheme } from "../theme.js";
+import { ViewerEmbed } from "../viewer-embed.js";
+import { ViewerSession } from "../viewer-session.js";
 
-/** @typedef {import("../time-cursor.js").TimeCursor} TimeCursor */
+/** @typedef {import("../run-view.js").RunView} RunView */
+/** @typedef {import("../types.js").ViewerState} ViewerState */
+/** @typedef {import("../viewer-session.js").Steering} Steering */
 
-const SCALES = [1, 10, 20, 50, 100, 200, 500, 1000];
-const CAMERAS = /** @type {const} */ ([
-  ["overview", "overview"],
-  ["side", "from the side"],
-  ["section", "section at mid-span"],
-  ["follow", "follow the first bogie"],
-  ["free", "free"],
-]);
-const DARK = matchMedia("(prefers-color-scheme: dark)");
 /** [ms] */
 const SET_RIGHT = 2000;
-/** Steering at most this often; the latest value wins. [ms] */
-const PACE = 60;
+/** What a view lacks for more looks than this, connection or colours, it will not get by itself. */
+const PATIENCE = 2;
 
 export class ViewerFrame extends HTMLElement {
   #run = "";
-  #session = "";
-  /** @type {TimeCursor | null} */
-  #cursor = null;
+  /** @type {RunView | null} */
+  #view = null;
+  /** @type {ViewerSession | null} */
+  #session = null;
   #ended = new AbortController();
-  /** @type {Record<string, unknown> | null} */
-  #pending = null;
-  #sending = false;
   #lastSync = 0;
+  #alone = 0;
+  #plain = 0;
+  #paused = false;
+  /** A scale that suits the run; null leaves the viewer its own. @type {number | null} */
+  #proposed = null;
+  /** @type {ViewerEmbed | null} */
+  #embedded = null;
   #place = h("div", { class: "viewer-place" });
-  /** A scale that suits the run; null once somebody has chosen one. @type {number | null} */
-  #proposed = 500;
-  #scale = h("select", { "aria-label": "Scale of the deformation", onchange: () => this.#chooseScale() });
+  #message = /** @type {ViewerMessage} */ (h("tb-viewer-message", { class: "viewer-message", hidden: true }));
+  #bar = /** @type {ColourBar} */ (h("tb-colour-bar", { hidden: true }));
+  #controls = /** @type {ViewerControls} */ (h("tb-viewer-controls", { hidden: true }));
+  /** What is seen where there is no 3D. */
+  stills = /** @type {ViewerStills} */ (h("tb-viewer-stills"));
 
-  /**
-   * @param {{ run: string, cursor: TimeCursor, fallback: Node }} options `fallback` is shown until
-   *   and unless the view is there
-   */
-  bind({ run, cursor, fallback }) {
+  /** @param {{ run: string, view: RunView }} options */
+  bind({ run, view }) {
     this.#run = run;
-    this.#cursor = cursor;
+    this.#view = view;
     this.classList.add("card", "viewer");
-    show(this.#place, fallback);
-    show(this, this.#place);
+    this.#controls.bind({ run, view });
+    this.stills.bind({ run, view });
+    show(this.#place, this.stills);
+    show(this, h("div", { class: "viewer-stage" }, this.#place, this.#bar, this.#message), this.#controls);
     const signal = this.#ended.signal;
-    cursor.addEventListener("change", (event) => this.#follow(/** @type {CustomEvent} */ (event).detail), { signal });
-    DARK.addEventListener("change", () => this.#steer({ theme: theme() }), { signal });
-    addEventListener("pagehide", () => this.#close(), { signal });
+    view.cursor.addEventListener("change", (event) => this.#follow(/** @type {CustomEvent} */ (event).detail), { signal });
+    view.watch(["colour", "scale", "camera", "hidden", "mode"], () => this.#steer(this.#looks()), signal);
+    store.watch("theme", () => this.#steer({ theme: currentTheme() }), signal);
+    store.watch("connected", (connected) => connected && this.#embedded?.wake(), signal);
+    addEventListener("pagehide", () => this.#session?.close(), { signal });
   }
 
   disconnectedCallback() {
     this.#ended.abort();
-    this.#close();
+    this.#session?.close();
   }
 
-  /** Whether the view is open or opening. */
-  get open() {
-    return this.#session !== "";
+  /** Another run of the same job: the session and its page stay. @param {string} run */
+  set run(run) {
+    if (run === this.#run) return;
+    this.#run = run;
+    this.stills.run = run;
+    this.#controls.run = run;
+    this.#session?.steer({ run, ...this.#view?.cursor.state, ...this.#looks() });
+  }
+
+  /** A scale at which the deformation is well seen; what somebody chose stays. @param {number} scale */
+  propose(scale) {
+    if (this.#proposed === scale) return;
+    this.#proposed = scale;
+    if (webGraphics() === "none") this.#controls.plain = scale;
+    this.#steer(this.#looks());
   }
 
   /**
@@ -73,73 +93,87 @@ export class ViewerFrame extends HTMLElement {
    *   processor from a run that still computes: then it waits for a press or for the end
    */
   async start({ computing = false } = {}) {
-    if (this.open || !this.isConnected) return;
+    if (this.#session || !this.isConnected) return;
     const graphics = webGraphics();
-    if (graphics === "none") {
-      show(this.#place, h("p", { class: "viewer-wait soft" }, "This browser offers no WebGL, so there is no 3D view. The plots below are complete."));
-      return;
-    }
+    if (graphics === "none") return this.#paint();
     if (computing && graphics === "software") {
-      this.#offer("This browser draws 3D in software, which slows the computation down. The view opens when the run is done.", "Watch it now");
+      this.#message.say("This browser draws 3D in software, which slows the computation down. The view opens when the run is done.", "Watch it now", () => void this.start());
       return;
     }
-    this.#session = "opening";
+    this.#message.say("");
+    const session = new ViewerSession();
+    this.#session = session;
+    session.addEventListener("state", (event) => this.#take(/** @type {CustomEvent} */ (event).detail));
+    session.addEventListener("lost", () => this.#lost());
     try {
-      const { session, url } = await api.openViewer(this.#run, { theme: theme() });
-      this.#session = session;
-      if (!this.isConnected) return void this.#close();
-      this.#embed(url);
+      const url = await session.open(this.#run, currentTheme());
+      if (this.isConnected) this.#embed(url);
+      else session.close();
     } catch (error) {
-      this.#session = "";
-      this.#say(`No 3D view: ${/** @type {Error} */ (error).message}`);
+      this.#session = null;
+      this.#message.say(`No 3D view: ${/** @type {Error} */ (error).message}`, "Try again", () => void this.start());
     }
+  }
+
+  /** The server draws: what can be chosen of it is less. */
+  #paint() {
+    this.stills.start();
+    this.#controls.hidden = false;
+    this.#controls.plain = this.#proposed ?? 1;
   }
 
   /** @param {string} url */
   #embed(url) {
-    const frame = h("iframe", { src: url, title: "3D view of the viaduct and the train", allow: "fullscreen" });
-    // An unfocused frame does not reconnect by itself after a gap.
-    frame.addEventListener("load", () => {
-      const before = document.activeElement;
-      frame.contentWindow?.focus();
-      if (before instanceof HTMLElement && before !== document.body) before.focus();
-      this.#steer({ ...this.#cursor?.state, scale: Number(this.#scale.value) });
-    });
-    this.querySelector(".viewer-controls")?.remove();
-    this.append(this.#controls());
-    show(this.#place, frame);
+    const embed = (this.#embedded = new ViewerEmbed(url));
+    embed.addEventListener("ready", () => this.#steer({ ...this.#view?.cursor.state, ...this.#looks() }));
+    embed.addEventListener("press", () => void this.#pick());
+    show(this.#place, embed.element);
   }
 
-  /** A scale at which the deformation is well seen; what somebody chose stays. @param {number} scale */
-  propose(scale) {
-    if (this.#proposed === null || this.#proposed === scale) return;
-    this.#proposed = scale;
-    this.#showScales(scale);
-    this.#steer({ scale });
+  async #pick() {
+    const picked = await this.#session?.pick();
+    if (picked) this.#view?.set({ place: picked.point });
   }
 
-  #chooseScale() {
-    this.#proposed = null;
-    this.#steer({ scale: Number(this.#scale.value) });
+  /** What was chosen, as far as this run can show it. @returns {Steering} */
+  #looks() {
+    const { colour, scale, camera, hidden, mode } = /** @type {RunView} */ (this.#view).look;
+    const state = this.#session?.state;
+    const size = scale ?? this.#proposed;
+    return {
+      ...(size !== null && { scale: size }),
+      ...(state?.available_colours.includes(colour) && { colour }),
+      ...(state && camera && camera !== state.camera && { camera }),
+      ...(state?.modal && { mode: mode - 1 }),
+      ...(state && { layers: state.available_layers.filter((name) => !hidden.includes(name)) }),
+    };
   }
 
-  /** @param {number} current */
-  #showScales(current) {
-    const scales = [...new Set([...SCALES, current])].sort((a, b) => a - b);
-    show(
-      this.#scale,
-      scales.map((value) => h("option", { value, selected: value === current }, `deformation × ${value}`)),
-    );
+  /** @param {ViewerState} state */
+  #take(state) {
+    const first = this.#controls.hidden;
+    this.#controls.hidden = false;
+    this.#controls.state = state;
+    this.#bar.bar = state.colour_bar;
+    this.dataset.session = state.session;
+    if (first) this.#steer(this.#looks());
+    this.#obey(state);
+    this.#alone = state.clients > 0 ? 0 : this.#alone + 1;
+    if (this.#alone > PATIENCE) this.#embedded?.wake();
+    const plain = state.colour !== "none" && state.smooth && state.clients > 0 && this.#embedded?.smooth === false;
+    this.#plain = plain ? this.#plain + 1 : 0;
+    // A page that shows no colours per vertex gets one colour for each element.
+    if (this.#plain > PATIENCE) this.#steer({ smooth: false });
   }
 
-  #controls() {
-    if (!this.#scale.value) this.#showScales(this.#proposed ?? 500);
-    const camera = h(
-      "select",
-      { "aria-label": "Camera", onchange: () => this.#steer({ camera: camera.value }) },
-      CAMERAS.map(([value, text]) => h("option", { value }, text)),
-    );
-    return h("div", { class: "row viewer-controls" }, this.#scale, camera);
+  /** The server may stop a view that has played longest, for another one. @param {ViewerState} state */
+  #obey({ paused }) {
+    const cursor = this.#view?.cursor;
+    if (paused && !this.#paused) {
+      cursor?.pause();
+      this.#message.say(paused, "Resume", () => cursor?.play());
+    } else if (!paused && this.#paused) this.#message.say("");
+    this.#paused = paused !== "";
   }
 
   /** @param {{ time: number, playing: boolean, rate: number, reason: string }} state */
@@ -150,58 +184,16 @@ export class ViewerFrame extends HTMLElement {
     this.#steer(state);
   }
 
-  /** @param {Record<string, unknown>} state */
-  #steer(state) {
-    if (!this.#session || this.#session === "opening") return;
-    this.#pending = { ...this.#pending, ...state };
-    if (!this.#sending) void this.#send();
-  }
-
-  async #send() {
-    this.#sending = true;
-    while (this.#pending && this.isConnected) {
-      const state = this.#pending;
-      this.#pending = null;
-      try {
-        await api.steerViewer(this.#session, state);
-      } catch (error) {
-        if (/** @type {any} */ (error).status === 404) this.#lost();
-      }
-      await new Promise((resolve) => setTimeout(resolve, PACE));
-    }
-    this.#sending = false;
-  }
+  /** @param {Steering} state */
+  #steer = (state) => this.#session?.steer(state);
 
   #lost() {
-    this.#session = "";
-    this.#pending = null;
-    this.querySelector(".viewer-controls")?.remove();
-    this.#offer("The 3D view was closed after a pause.", "Open it again");
-  }
-
-  /**
-   * @param {string} text
-   * @param {string} action
-   */
-  #offer(text, action) {
-    if (this.#place.textContent === text + action) return;
-    const button = h("button", { type: "button", onclick: () => void this.start() }, action);
-    show(this.#place, h("div", { class: "viewer-note" }, h("p", { class: "soft" }, text), button));
-  }
-
-  /** @param {string} text */
-  #say(text) {
-    this.querySelector(".viewer-note")?.remove();
-    this.append(h("p", { class: "viewer-note small soft" }, text));
-  }
-
-  #close() {
-    if (this.#session && this.#session !== "opening") void api.closeViewer(this.#session).catch(() => {});
-    this.#session = "";
+    this.#session = null;
+    this.#embedded = null;
+    this.#controls.hidden = true;
+    show(this.#place);
+    this.#message.say("The 3D view was closed after a pause.", "Open it again", () => void this.start());
   }
 }
-
-/** The view wears the page's theme. */
-const theme = () => (DARK.matches ? "dark" : "light");
 
 customElements.define("tb-viewer-frame", ViewerFrame);

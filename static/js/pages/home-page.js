@@ -1,7 +1,8 @@
 // @ts-check
-/** Home: studies that are ready to run, and what has run. */
-import "../components/elevation.js";
+/** Home: studies that are ready to run, what has run, what waits, and the machine. */
 import { JobList } from "../components/job-list.js";
+import { MachineLine } from "../components/machine-line.js";
+import { QueueList } from "../components/queue-list.js";
 import { TemplateCard } from "../components/template-card.js";
 import { api } from "../api.js";
 import { h, show } from "../dom.js";
@@ -9,32 +10,34 @@ import { link } from "../router.js";
 import { store } from "../store.js";
 
 /** @typedef {import("../types.js").Template} Template */
+/** @typedef {import("../types.js").Job} Job */
 
 /** Jobs that the list on this page shows. */
-const RECENT = 8;
+const RECENT = 6;
+/** How long after a job's change the machine is asked again. [ms] */
+const PAUSE = 1000;
 
 export class HomePage extends HTMLElement {
   #ended = new AbortController();
   #notice = h("div", { role: "alert" });
-  #cards = h("div", { class: "templates" }, h("div", { class: "skeleton" }), h("div", { class: "skeleton" }));
+  #cards = h("div", { class: "templates" }, h("div", { class: "skeleton" }), h("div", { class: "skeleton" }), h("div", { class: "skeleton" }), h("div", { class: "skeleton" }));
   #jobs = /** @type {JobList} */ (h("tb-job-list"));
-  #queue = h("span", { class: "soft small" });
+  #queue = /** @type {QueueList} */ (h("tb-queue"));
+  #machine = /** @type {MachineLine} */ (h("tb-machine"));
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #timer;
 
   connectedCallback() {
     document.title = "Trainbridge";
     this.#jobs.limit = RECENT;
     show(
       this,
-      h(
-        "div",
-        { class: "hero" },
-        h("h1", null, "Run a train over a bridge and read the verdict."),
-        h("p", { class: "soft" }, "Wheels, track and viaduct are solved together, step by step, and judged against the Eurocode."),
-      ),
+      h("div", { class: "hero" }, h("h1", null, "Run a train over a bridge, and read whether the standard allows it.")),
       this.#notice,
       this.#cards,
-      h("div", { class: "row spread section-head" }, h("h2", null, "Recent jobs"), this.#queue),
+      h("div", { class: "home-head" }, h("h2", null, "Recent jobs")),
       this.#jobs,
+      h("div", { class: "panels" }, this.#queue, this.#machine),
     );
     this.addEventListener("run", (event) => {
       void this.#run(/** @type {TemplateCard} */ (event.target), /** @type {CustomEvent} */ (event).detail);
@@ -44,35 +47,37 @@ export class HomePage extends HTMLElement {
 
   disconnectedCallback() {
     this.#ended.abort();
+    clearTimeout(this.#timer);
   }
 
   async #load() {
     try {
-      const [templates, jobs] = await Promise.all([api.templates(), api.jobs()]);
-      const items = /** @type {Template[]} */ (templates.items);
-      const cards = items.map(card);
-      show(this.#cards, cards);
+      const [templates, jobs, waiting] = await Promise.all([api.templates(), api.jobs(), api.findJobs({ states: ["running", "queued"], name: "" })]);
+      show(this.#cards, templates.items.map(card));
       this.#jobs.page = jobs;
-      this.#count();
+      this.#queue.jobs = waiting.items;
       store.watch("job", (job) => this.#update(job), this.#ended.signal);
-      for (const [index, item] of items.entries()) void estimate(item, cards[index]);
+      void this.#ask();
     } catch (error) {
       show(this.#cards);
       this.#complain(error);
     }
   }
 
-  /** @param {import("../types.js").Job} job */
+  /** @param {Job} job */
   #update(job) {
     this.#jobs.update(job);
-    this.#count();
+    this.#queue.update(job);
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => void this.#ask(), PAUSE);
   }
 
-  #count() {
-    const jobs = this.#jobs.jobs;
-    const waiting = jobs.filter((job) => job.state === "queued").length;
-    const running = jobs.filter((job) => job.state === "running").length;
-    show(this.#queue, running || waiting ? `${running} running, ${waiting} waiting` : "The queue is empty.");
+  async #ask() {
+    try {
+      this.#machine.machine = await api.machine();
+    } catch {
+      // The banner says that the server is away; the last figures stay.
+    }
   }
 
   /**
@@ -87,6 +92,7 @@ export class HomePage extends HTMLElement {
     } catch (error) {
       card.busy = false;
       this.#complain(error);
+      this.#notice.scrollIntoView({ block: "center" });
     }
   }
 
@@ -101,20 +107,6 @@ function card(template) {
   const element = /** @type {TemplateCard} */ (h("tb-template-card"));
   element.template = template;
   return element;
-}
-
-/**
- * The size of a template as the server estimates it on this machine.
- *
- * @param {Template} template
- * @param {TemplateCard} card
- */
-async function estimate(template, card) {
-  try {
-    card.report = await api.validate({ kind: template.kind ?? "crossing", study: template.study });
-  } catch {
-    // The card stays without its numbers; Run says what is wrong.
-  }
 }
 
 customElements.define("tb-home-page", HomePage);

@@ -1,202 +1,198 @@
 // @ts-check
-/** One job: its state, its verdict, and the instrument of 3D view, plots and one time cursor. */
+/** One job: its state, its verdict, and the desk with 3D view, plots and files of one of its runs. */
+import { JobDesk } from "../components/job-desk.js";
 import { JobHead } from "../components/job-head.js";
-import { ModesTable } from "../components/modes-table.js";
-import { RunFacts } from "../components/run-facts.js";
-import { RunInstrument } from "../components/run-instrument.js";
+import { JobTrouble } from "../components/job-trouble.js";
+import { complaint, verdictBars, verdictsOf } from "../components/job-results.js";
 import { RunProgress } from "../components/run-progress.js";
-import { SweepTable } from "../components/sweep-table.js";
-import { VerdictBar } from "../components/verdict-bar.js";
 import { api } from "../api.js";
 import { h, show } from "../dom.js";
-import { worst } from "../job-words.js";
-import { momentOfInterest } from "../moment.js";
+import { actOn } from "../job-actions.js";
+import { begunAgain, worst } from "../job-words.js";
+import { link, parse } from "../router.js";
+import { RunView } from "../run-view.js";
 import { store } from "../store.js";
-import { trouble } from "../trouble.js";
 
 /** @typedef {import("../types.js").Job} Job */
 /** @typedef {import("../types.js").Run} Run */
 /** @typedef {import("../job-words.js").Judged} Judged */
+/** @typedef {import("../router.js").Route} Route */
 
 const ACTIVE = new Set(["queued", "running"]);
 
 export class JobPage extends HTMLElement {
-  /** Id of the job. */
-  job = "";
-  query = new URLSearchParams();
+  /** @type {Route} */
+  route = { name: "jobs", parts: [], query: new URLSearchParams() };
   #ended = new AbortController();
   /** @type {Job | null} */
   #known = null;
-  /** Id of the run that is shown, where there are several. */
-  #chosen = "";
+  /** The run that the page proposes while nobody has chosen one. */
+  #proposed = "";
+  #library = "";
+  /** @type {Judged[]} */
+  #judged = [];
+  /** @type {RunView | null} */
+  #view = null;
   #head = /** @type {JobHead} */ (h("tb-job-head", { class: "job-head" }));
   #state = h("div", { class: "stack", "aria-live": "polite" });
+  #trouble = /** @type {JobTrouble} */ (h("tb-job-trouble", { hidden: true }));
   #progress = /** @type {RunProgress} */ (h("tb-run-progress", { hidden: true }));
-  #instrument = /** @type {RunInstrument} */ (h("tb-run-instrument", { hidden: true }));
-  #facts = /** @type {RunFacts} */ (h("tb-run-facts", { hidden: true }));
+  #results = h("div", { class: "stack", "aria-live": "polite" });
+  #desk = /** @type {JobDesk} */ (h("tb-job-desk", { hidden: true }));
 
   connectedCallback() {
+    const signal = this.#ended.signal;
+    this.#view = new RunView(this.route.query);
+    const home = h("a", { href: link("home") }, "Home");
     show(
       this,
-      h("p", { class: "crumb" }, h("a", { href: "#/" }, "Home"), " / ", h("a", { href: "#/jobs" }, "Jobs"), " / This job"),
+      h("nav", { class: "crumb", "aria-label": "Path" }, home, " / ", h("a", { href: link("jobs") }, "Jobs"), " / This job"),
       this.#head,
       this.#state,
+      this.#trouble,
       this.#progress,
-      this.#instrument,
-      this.#facts,
+      this.#results,
+      this.#desk,
     );
-    this.addEventListener("cancel", () => void this.#cancel());
-    this.addEventListener("choose", (event) => this.#choose(/** @type {CustomEvent} */ (event).detail.run));
-    store.watch(`job:${this.job}`, (job) => this.#update(job), this.#ended.signal);
-    void this.#load();
+    this.addEventListener("act", (event) => void this.#ask(() => actOn(/** @type {CustomEvent} */ (event).detail.action, this.#id)));
+    this.addEventListener("prioritise", (event) => void this.#ask(() => api.prioritise(this.#id, /** @type {CustomEvent} */ (event).detail.priority)));
+    this.addEventListener("choose", (event) => this.#view?.set({ run: /** @type {CustomEvent} */ (event).detail.run }));
+    this.#view.watch(["run"], () => this.#known && this.#enter(this.#known), signal);
+    addEventListener("hashchange", () => this.#reopen(), { signal });
+    void this.#load(signal);
   }
 
   disconnectedCallback() {
     this.#ended.abort();
   }
 
-  async #load() {
+  get #id() {
+    return this.route.parts[0];
+  }
+
+  /** The run that is shown. @returns {string} */
+  get #run() {
+    const chosen = this.#view?.look.run ?? "";
+    const runs = this.#known?.runs ?? [];
+    return (runs.find(({ id }) => id === chosen) ?? runs.find(({ id }) => id === this.#proposed) ?? runs.find(({ progress }) => progress?.step) ?? runs[0])?.id ?? "";
+  }
+
+  /** @param {AbortSignal} signal */
+  async #load(signal) {
     try {
-      this.#update(await api.job(this.job));
+      this.#library = (await store.get("meta")).plotly_url;
+      const job = await api.job(this.#id);
+      if (signal.aborted) return;
+      this.#update(job);
+      store.watch(`job:${job.id}`, (news) => this.#update(news), signal);
     } catch (error) {
       const unknown = /** @type {any} */ (error).status === 404;
       show(this.#state, complaint(unknown ? "There is no such job here. It may have been removed." : error));
     }
   }
 
+  /** Somebody opened a link to another picture of this job. */
+  #reopen() {
+    const route = parse(location.hash);
+    if (route.name !== "jobs" || route.parts[0] !== this.#id) return;
+    const fresh = new JobPage();
+    fresh.route = route;
+    this.replaceWith(fresh);
+  }
+
   /** @param {Job} job */
   #update(job) {
     const before = this.#known;
-    // An answer that was overtaken by the event stream must not turn the time back.
-    if (before && !ACTIVE.has(before.state) && ACTIVE.has(job.state)) return;
+    // An answer that was overtaken by the event stream must not turn the time back; a retry may.
+    if (before && !ACTIVE.has(before.state) && ACTIVE.has(job.state) && !begunAgain(before, job)) return;
     this.#known = job;
     const percent = Math.floor((job.progress?.fraction ?? 0) * 100);
     document.title = `${job.state === "running" && percent ? `${percent} % · ` : ""}${job.name} · Trainbridge`;
     const active = ACTIVE.has(job.state);
     this.#progress.hidden = !active;
     if (active) this.#progress.job = job;
-    if (before?.state !== job.state) this.#enter(job);
-    this.#follow(job);
+    if (before?.state !== job.state || ended(before) !== ended(job)) this.#enter(job);
+    if (!this.#desk.hidden) void this.#desk.update(job, this.#run);
   }
 
   /**
-   * A new state: its face.
+   * A new state, or another run: its face.
    *
    * @param {Job} job
    */
   #enter(job) {
-    this.#head.bind(job, this.#chosen);
-    if (ACTIVE.has(job.state)) show(this.#state);
-    else void this.#finish(job);
+    this.#head.bind(job, this.#run);
+    this.#trouble.job = job;
+    show(this.#state);
+    // Of a finished sweep, the worst speed is known only when all verdicts are read.
+    const proposes = job.runs.length > 1 && !ACTIVE.has(job.state) && !this.#view?.look.run && !this.#proposed;
+    if (!proposes) this.#openDesk(job);
+    void this.#finish(job);
   }
 
-  /** @param {string} run */
-  #choose(run) {
-    const job = this.#known;
-    if (!job || run === this.#chosen) return;
-    this.#chosen = run;
-    const fresh = /** @type {RunInstrument} */ (h("tb-run-instrument", { hidden: true }));
-    this.#instrument.replaceWith(fresh);
-    this.#instrument = fresh;
-    this.query = new URLSearchParams();
-    this.#head.bind(job, run);
-    this.#follow(job);
-    if (!ACTIVE.has(job.state)) void this.#finish(job);
+  /** @param {Job} job */
+  #openDesk(job) {
+    const run = this.#run;
+    if (!this.#desk.hidden || !run || !this.#view) return;
+    this.#desk.hidden = false;
+    this.#desk.bind({ job, run, view: this.#view, library: this.#library });
   }
 
-  async #cancel() {
-    this.#head.cancelling = true;
+  /** What there is of the runs that are done, of a sweep also while others still compute. @param {Job} job */
+  async #finish(job) {
+    const done = job.runs.filter((run) => run.state === "done");
+    if (!done.length) {
+      show(this.#results);
+      return this.#openDesk(job);
+    }
     try {
-      this.#update((await api.cancel(this.job)) ?? (await api.job(this.job)));
+      if (job.runs.length > 1) await this.#judge(job, done.map((run) => run.id));
+      this.#openDesk(job);
+      const id = this.#run;
+      void this.#desk.update(job, id);
+      /** @type {Run | null} */
+      const run = done.some((item) => item.id === id) ? await api.run(id) : null;
+      if (id !== this.#run || !this.isConnected) return;
+      show(this.#results, run && verdictBars(run));
+      this.#desk.result = run;
     } catch (error) {
-      this.#head.cancelling = false;
       show(this.#state, complaint(error));
     }
   }
 
   /**
-   * Curves as soon as there are steps, and whatever there is of a run that ended early.
+   * The verdict of each speed; the worst is proposed.
    *
    * @param {Job} job
+   * @param {string[]} done ids
    */
-  #follow(job) {
-    const run = job.runs.find((item) => item.id === this.#chosen) ?? job.runs[0];
-    if (!run || job.kind === "modes") return;
-    const stepped = (run.progress?.step ?? 0) > 0 || run.state === "done";
-    if (!stepped) return;
-    if (this.#instrument.hidden) {
-      this.#instrument.hidden = false;
-      this.#instrument.bind({ run: run.id, query: this.query });
-    }
-    this.#instrument.progress(run.state, run.progress?.simulated_time ?? null);
+  async #judge(job, done) {
+    if (this.#judged.length !== done.length) this.#judged = await verdictsOf(done);
+    this.#desk.judged = this.#judged;
+    if (this.#judged.length && !ACTIVE.has(job.state)) this.#proposed = worst(this.#judged).run;
+    else this.#proposed ||= done[0];
+    this.#head.bind(job, this.#run);
   }
 
-  /** What there is of a job that has ended: of a sweep some runs may be done. @param {Job} job */
-  async #finish(job) {
-    show(this.#state, trouble(job));
-    const done = job.runs.filter((run) => run.state === "done");
-    if (!done.length) return;
+  /**
+   * Asks the server for something, and shows what came of it.
+   *
+   * @param {() => Promise<Job | null>} request
+   */
+  async #ask(request) {
+    this.#head.busy = true;
     try {
-      const judged = done.length > 1 ? await verdictsOf(done.map((run) => run.id)) : [];
-      if (!this.#chosen && judged.length) return this.#choose(worst(judged).run);
-      const shown = done.find((run) => run.id === this.#chosen) ?? (this.#chosen ? null : done[0]);
-      /** @type {Run | null} */
-      const run = shown && (await api.run(shown.id));
-      show(this.#state, trouble(job), judged.length > 0 && this.#sweep(judged), run && results(run));
-      this.#facts.hidden = !run;
-      if (run) this.#explain(run);
+      const job = await request();
+      if (job) this.#update(job);
+      show(this.#state);
     } catch (error) {
-      show(this.#state, trouble(job), complaint(error));
+      show(this.#state, complaint(error));
     }
-  }
-
-  /** @param {Judged[]} judged */
-  #sweep(judged) {
-    const table = /** @type {SweepTable} */ (h("tb-sweep-table"));
-    table.bind(judged, this.#chosen);
-    return table;
-  }
-
-  /** @param {Run} run */
-  #explain(run) {
-    const moment = momentOfInterest(run);
-    if (moment !== null) this.#instrument.suggest(moment);
-    this.#facts.run = run;
+    this.#head.busy = false;
   }
 }
 
-/** @param {unknown} error */
-function complaint(error) {
-  const text = error instanceof Error ? error.message : String(error);
-  return h("div", { class: "notice bad", role: "alert" }, h("p", null, text));
-}
-
-/**
- * The deciding verdict of each run that has one.
- *
- * @param {string[]} runs
- * @returns {Promise<Judged[]>}
- */
-async function verdictsOf(runs) {
-  const answers = await Promise.all(runs.map((run) => api.runVerdicts(run)));
-  return answers.flatMap((answer, index) => (answer.items.length ? [{ run: runs[index], verdict: answer.items[0] }] : []));
-}
-
-/** Verdict or modes of one run, or why there is neither. @param {Run} run */
-function results(run) {
-  const summary = run.summary ?? {};
-  if (summary.modes) {
-    const table = /** @type {ModesTable} */ (h("tb-modes-table"));
-    table.modes = summary.modes;
-    return table;
-  }
-  const bars = (run.verdicts ?? []).map((verdict) => {
-    const bar = /** @type {VerdictBar} */ (h("tb-verdict-bar"));
-    bar.bind(verdict, summary.facts?.mesh_accuracy ?? []);
-    return bar;
-  });
-  if (bars.length || !summary.unjudged) return bars;
-  return h("div", { class: "notice" }, h("p", null, summary.unjudged));
-}
+/** How many runs have ended. @param {Job | null} job */
+const ended = (job) => job?.runs.filter((run) => !ACTIVE.has(run.state)).length;
 
 customElements.define("tb-job-page", JobPage);

@@ -1,166 +1,185 @@
 // @ts-check
-/** Set up a study: form on the left, drawing, estimate and Run beside it; checked as one types. */
-import { Elevation } from "../components/elevation.js";
+/** Set up a study: form or JSON on the left, Run, drawing and cost beside it; checked as one types. */
+import { forgetLibrary } from "../components/library-choice.js";
+import { StudyDrawing } from "../components/study-drawing.js";
+import { StudyExport } from "../components/study-export.js";
 import { StudyForm } from "../components/study-form.js";
+import { StudyJson } from "../components/study-json.js";
+import { leftAsTheyWere, resumedNotice, toMend } from "../components/study-notices.js";
 import { StudyReport } from "../components/study-report.js";
-import { api, ApiError } from "../api.js";
+import { StudyRun } from "../components/study-run.js";
+import { StudyToolbar } from "../components/study-toolbar.js";
+import { api } from "../api.js";
 import { h, show } from "../dom.js";
+import { Drafts } from "../drafts.js";
 import { link } from "../router.js";
 import { store } from "../store.js";
+import { findingsOf, StudyChecker } from "../study-checker.js";
+import { StudyModel } from "../study-model.js";
+import { alternative, beginningOf } from "../study-origin.js";
 
-/** @typedef {import("../types.js").Study} Study */
 /** @typedef {import("../types.js").Finding} Finding */
 /** @typedef {import("../types.js").Report} Report */
-
-/** Typing pauses this long before the server is asked. [ms] */
-const PAUSE = 300;
+/** @typedef {import("../study-origin.js").Beginning} Beginning */
+/** @typedef {{ pointer: string, value: any, whole: boolean, option?: import("../form-plan.js").Option }} Edit */
 
 export class StudyPage extends HTMLElement {
-  /** Name of the template to start from. */
-  template = "";
-  #kind = "crossing";
-  /** @type {Study} */
-  #study = {};
-  /** @type {ReturnType<typeof setTimeout> | undefined} */
-  #timer;
-  /** @type {AbortController | null} */
-  #asking = null;
+  /** @type {import("../router.js").Route} */
+  route = { name: "study", parts: [], query: new URLSearchParams() };
+  #ended = new AbortController();
+  #checker = new StudyChecker((report, errors) => this.#show(report, errors));
   #form = /** @type {StudyForm} */ (h("tb-study-form"));
-  #drawing = /** @type {Elevation} */ (h("tb-elevation"));
-  #report = /** @type {StudyReport} */ (h("tb-study-report"));
-  #run = h("button", { type: "button", class: "primary wide", onclick: () => void this.#submit(this.#kind) }, "Run");
-  #modes = h("button", { type: "button", class: "wide", onclick: () => void this.#submit("modes") }, "Natural modes");
-  #state = h("p", { class: "soft small", role: "status" });
+  #json = /** @type {StudyJson} */ (h("tb-study-json", { hidden: true }));
+  #toolbar = /** @type {StudyToolbar} */ (h("tb-study-toolbar"));
+  #drawing = /** @type {StudyDrawing} */ (h("tb-study-drawing", { class: "card" }));
+  #report = /** @type {StudyReport} */ (h("tb-study-report", { class: "card" }));
+  #export = /** @type {StudyExport} */ (h("tb-study-export"));
+  #run = /** @type {StudyRun} */ (h("tb-study-run", { class: "card" }));
+  #notice = h("div", { class: "study-notice", role: "status" });
+  #heading = h("h1");
 
   async connectedCallback() {
     show(this, h("div", { class: "skeleton" }));
     try {
       const meta = await store.get("meta");
-      const [templates, document] = await Promise.all([
-        api.templates(),
-        api.schema(meta.openapi_url ?? "/api/v1/openapi.json"),
-      ]);
-      const template = templates.items.find(
-        (/** @type {import("../types.js").Template} */ item) => item.name === this.template,
-      );
-      if (!template) throw new Error(`There is no study named ${this.template} to start from.`);
-      this.#begin(template, document);
+      const [beginning, document] = await Promise.all([beginningOf(this.route), api.schema(meta.openapi_url ?? "/api/v1/openapi.json")]);
+      if (!this.#ended.signal.aborted) this.#begin(beginning, new StudyModel(beginning, document, new Drafts()));
     } catch (error) {
       show(this, h("div", { class: "notice bad", role: "alert" }, h("p", null, /** @type {Error} */ (error).message)));
     }
   }
 
   disconnectedCallback() {
-    clearTimeout(this.#timer);
-    this.#asking?.abort();
+    this.#ended.abort();
+    this.#checker.stop();
   }
 
-  /**
-   * @param {import("../types.js").Template} template
-   * @param {any} schema
-   */
-  #begin(template, schema) {
-    this.#kind = template.kind ?? "crossing";
-    this.#study = template.study;
-    const title = template.title ?? template.study.name;
-    document.title = `${title} · Trainbridge`;
+  /** @param {Beginning} beginning @param {StudyModel} model */
+  #begin(beginning, model) {
+    forgetLibrary();
+    document.title = `${beginning.title} · Trainbridge`;
     show(
       this,
-      h("p", { class: "crumb" }, h("a", { href: "#/" }, "Home"), " / Customise"),
-      h("h1", null, title),
-      template.description && h("p", { class: "soft lead" }, template.description),
-      h(
-        "div",
-        { class: "study" },
-        this.#form,
-        h("aside", { class: "card stack", "aria-label": "Check and run" }, h("div", { class: "drawing" }, this.#drawing), this.#report, this.#actions(), this.#state),
-      ),
-    );
-    this.#form.bind(this.#study, schema);
-    this.#drawing.study = this.#study;
-    this.addEventListener("study", (event) => this.#changed(/** @type {CustomEvent} */ (event).detail));
-    this.addEventListener("broken", () => this.#setReady(false, this.#toMend()));
-    void this.#check();
+      h("p", { class: "crumb" }, h("a", { href: "#/" }, "Home"), " / Study"),
+      this.#heading,
+      beginning.description && h("p", { class: "soft lead" }, beginning.description),
+      this.#notice,
+      h("div", { class: "study" },
+        h("div", { class: "study-inputs" }, this.#toolbar, this.#form, this.#json),
+        h("aside", { "aria-label": "Run, drawing and check" }, this.#run, this.#drawing, this.#report)),
+      this.#export,
+    ); // prettier-ignore
+    this.#run.bind(model.kind);
+    this.#toolbar.bind({
+      undo: () => this.#step(model, "undo"),
+      redo: () => this.#step(model, "redo"),
+      restart: () => model.restart(),
+      copy: () => this.#export.open({ study: model.study, kind: model.kind, origin: location.origin }),
+      view: (name) => this.#view(name),
+    });
+    this.#form.bind(model);
+    this.#json.study = model.study;
+    show(this.#notice, resumedNotice(model, beginning.called, () => show(this.#notice)));
+    this.#follow(model, beginning);
+    this.#changed(model, beginning);
   }
 
-  #actions() {
-    return h(
-      "div",
-      { class: "actions" },
-      this.#run,
-      this.#modes,
-      h("p", { class: "soft small" }, "Natural modes: frequencies, damping and shapes of the viaduct with its track, without the train."),
-    );
+  /** @param {StudyModel} model @param {Beginning} beginning */
+  #follow(model, beginning) {
+    const { signal } = this.#ended;
+    /** @param {EventTarget} target @param {string} name @param {(detail: any) => void} act */
+    const on = (target, name, act) => target.addEventListener(name, (event) => act(/** @type {CustomEvent} */ (event).detail), { signal });
+    on(model, "change", ({ way }) => this.#redraw(way, model, beginning));
+    on(this, "edit", (edit) => this.#edit(edit, model, beginning));
+    on(this, "source", ({ value }) => model.replace(value, "source"));
+    on(this, "unreadable", () => this.#run.say(false, this.#toMend()));
+    on(this, "refused", ({ refused }) => show(this.#notice, leftAsTheyWere(refused)));
+    on(this, "submit-study", ({ kind }) => void this.#submit(kind, model));
+    document.addEventListener("keydown", (event) => this.#key(event, model), { signal });
+  }
+
+  /** @param {Edit} edit @param {StudyModel} model @param {Beginning} beginning */
+  #edit({ pointer, value, whole, option }, model, beginning) {
+    if (value === undefined) this.#run.say(false, this.#toMend());
+    else model.set(pointer, option ? alternative(beginning, pointer, option) : value, whole ? "whole" : "typing");
+  }
+
+  /** @param {import("../study-model.js").Way} way @param {StudyModel} model @param {Beginning} beginning */
+  #redraw(way, model, beginning) {
+    if (way !== "typing") this.#form.draw();
+    if (way !== "source") this.#json.study = model.study;
+    this.#changed(model, beginning);
+  }
+
+  /** @param {StudyModel} model @param {Beginning} beginning */
+  #changed(model, { title, called }) {
+    const { study, kind } = model;
+    const { canUndo, canRedo } = model.history;
+    show(this.#heading, typeof study.name === "string" && study.name ? study.name : title);
+    this.#drawing.draw(study, kind);
+    this.#form.refresh();
+    this.#toolbar.update({ canUndo, canRedo, changes: model.changes.length, called });
+    this.#toolbar.sections = this.#form.sections;
+    this.#run.say(false, "Checking…");
+    this.#checker.ask({ kind, study });
+  }
+
+  /** @param {Report | null} report @param {Finding[]} errors */
+  #show(report, errors) {
+    const warnings = report?.warnings ?? [];
+    const lost = this.#form.place(errors, warnings);
+    this.#json.place(errors, warnings);
+    this.#report.update(report, lost);
+    this.#toolbar.sections = this.#form.sections;
+    const fine = errors.length === 0 && !this.#form.broken && !this.#json.broken;
+    this.#run.say(fine, fine ? "Checked: ready to run." : this.#toMend());
   }
 
   /** Which inputs to mend; each leads there. */
   #toMend() {
-    const marked = this.#form.marked;
-    if (!marked.length) return "Mend what is said above first.";
-    const links = marked.map((field) =>
-      h("button", { type: "button", class: "link", onclick: () => field.focus() }, field.name),
-    );
-    return ["To mend first: ", links.flatMap((item, index) => (index ? [", ", item] : [item]))];
+    if (this.#json.broken) return toMend([{ name: "JSON text", focus: () => this.#view("json") }]);
+    const go = /** @param {HTMLElement} place */ (place) => {
+      this.#view("form");
+      place.focus();
+    };
+    return toMend(this.#form.marked.map((place) => ({ name: place.name, focus: () => go(place) })));
   }
 
-  /** @param {Study} study */
-  #changed(study) {
-    this.#study = study;
-    this.#drawing.study = study;
-    this.#setReady(false, "Checking…");
-    clearTimeout(this.#timer);
-    this.#timer = setTimeout(() => void this.#check(), PAUSE);
+  /** @param {string} name */
+  #view(name) {
+    this.#form.hidden = name === "json";
+    this.#json.hidden = name !== "json";
+    this.#toolbar.view = name;
   }
 
-  async #check() {
-    this.#asking?.abort();
-    const asking = new AbortController();
-    this.#asking = asking;
+  /** @param {StudyModel} model @param {"undo" | "redo"} way */
+  #step(model, way) {
+    // What was typed and is no value is the last step: the inputs show the study again.
+    if (way === "undo" && (this.#form.broken || this.#json.broken)) model.dispatchEvent(new CustomEvent("change", { detail: { way: "whole" } }));
+    else model[way]();
+  }
+
+  /** @param {KeyboardEvent} event @param {StudyModel} model */
+  #key(event, model) {
+    if (!(event.ctrlKey || event.metaKey) || event.target instanceof HTMLTextAreaElement) return;
+    const key = event.key.toLowerCase();
+    const way = key === "y" || (key === "z" && event.shiftKey) ? "redo" : key === "z" ? "undo" : null;
+    if (way) {
+      event.preventDefault();
+      this.#step(model, way);
+    } else if (key === "enter") this.#run.press();
+  }
+
+  /** @param {string} kind @param {StudyModel} model */
+  async #submit(kind, { study }) {
+    this.#run.say(false, "Starting…");
     try {
-      const report = await api.validate({ kind: this.#kind, study: this.#study }, asking.signal);
-      this.#show(report, report.errors);
-    } catch (error) {
-      if (asking.signal.aborted) return;
-      this.#refused(error);
-    }
-  }
-
-  /**
-   * @param {Report | null} report
-   * @param {Finding[]} errors
-   */
-  #show(report, errors) {
-    const elsewhere = this.#form.place(errors);
-    this.#report.update(report, elsewhere);
-    const fine = errors.length === 0 && !this.#form.broken;
-    this.#setReady(fine, fine ? "Checked: ready to run." : this.#toMend());
-  }
-
-  /** @param {unknown} error */
-  #refused(error) {
-    const problem = /** @type {ApiError} */ (error);
-    const findings = problem.findings?.length ? problem.findings : [{ pointer: "", reason: problem.message }];
-    this.#show(null, findings);
-  }
-
-  /**
-   * @param {boolean} ready
-   * @param {import("../dom.js").Child} words
-   */
-  #setReady(ready, words) {
-    this.#run.disabled = !ready;
-    this.#modes.disabled = !ready;
-    show(this.#state, words);
-  }
-
-  /** @param {string} kind */
-  async #submit(kind) {
-    this.#setReady(false, "Starting…");
-    try {
-      const job = await api.submit({ kind, study: this.#study });
+      const job = await api.submit({ kind, study });
       location.hash = link("jobs", job.id);
     } catch (error) {
-      this.#refused(error);
+      const errors = findingsOf(error);
+      if (errors.some((finding) => finding.pointer)) this.#show(null, errors);
+      else this.#run.say(true, h("strong", { class: "field-error" }, errors[0].reason)); // a full queue may have room soon
     }
   }
 }

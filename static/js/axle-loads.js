@@ -1,0 +1,75 @@
+// @ts-check
+/** What each axle of a train weighs, from lever arms. Pure. */
+
+/** @typedef {{ front: number, back: number }} Ends share of a carbody on its front and back bogie [1] */
+
+/**
+ * Static load of each axle, from the first to the last.
+ *
+ * @param {any} train
+ * @returns {number[]} [kg]
+ */
+export function axleLoads(train) {
+  if (train?.type !== "articulated") return Array(Math.min(Math.max(train?.count ?? 1, 1), 100)).fill(train?.mass ?? 0);
+  const types = new Map((train.vehicle_types ?? []).map((/** @type {any} */ type) => [type.name, type]));
+  const cars = (train.consist ?? []).map((/** @type {string} */ name) => types.get(name));
+  if (!cars.length || cars.some((/** @type {any} */ car) => !car)) return [];
+  /** Loads of bogies; a shared one has the bogie of the car whose second bogie it is not. @type {number[]} */
+  const bogies = [];
+  let shared = false;
+  cars.forEach((/** @type {any} */ car, /** @type {number} */ index) => {
+    const leading = index < cars.length / 2;
+    const ends = endsOf(car, leading, train.passenger_orientation);
+    if (!shared) bogies.push(own(car));
+    bogies[bogies.length - 1] += ends.front * car.carbody_mass;
+    shared = sharesBack(car, leading);
+    const next = cars[index + 1];
+    const whose = shared && next?.articulation === "both_ends" ? next : car;
+    bogies.push(own(whose) + ends.back * car.carbody_mass);
+  });
+  return bogies.flatMap((load) => [load / 2, load / 2]);
+}
+
+/** A bogie with its two wheelsets. @param {any} car [kg] */
+const own = (car) => car.bogie_mass + 2 * car.wheelset_mass;
+
+/**
+ * Cars of the first half run with their leading end ahead, those of the second half behind; only
+ * cars articulated at both ends can be turned round.
+ *
+ * @param {any} car
+ * @param {boolean} leading whether it is in the first half
+ * @param {string} orientation
+ * @returns {Ends}
+ */
+function endsOf(car, leading, orientation) {
+  const inwards = car.articulation === "both_ends" && orientation === "leading_inwards";
+  const length = car.leading_distance + car.trailing_distance;
+  const onLeading = car.trailing_distance / length;
+  return leading !== inwards ? { front: onLeading, back: 1 - onLeading } : { front: 1 - onLeading, back: onLeading };
+}
+
+/**
+ * @param {any} car
+ * @param {boolean} leading
+ */
+function sharesBack(car, leading) {
+  return car.articulation === "both_ends" || (car.articulation === "trailing_end" && leading);
+}
+
+/**
+ * Neighbouring axles with the same load, once.
+ *
+ * @param {number[]} loads [kg]
+ * @returns {{ first: number, last: number, load: number }[]} numbers of axles from 1
+ */
+export function axleGroups(loads) {
+  /** @type {{ first: number, last: number, load: number }[]} */
+  const groups = [];
+  loads.forEach((load, index) => {
+    const group = groups[groups.length - 1];
+    if (group && Math.abs(group.load - load) < 0.5) group.last = index + 1;
+    else groups.push({ first: index + 1, last: index + 1, load });
+  });
+  return groups;
+}

@@ -1,0 +1,25 @@
+// @ts-check
+/** What there is of a run: which figures, how many pictures, how far apart. */
+import { api } from "./api.js";
+import { FIRST_FIGURES } from "./job-tabs.js";
+
+/** @typedef {import("./types.js").FigureItem} FigureItem */
+
+/**
+ * Asks the server; what it does not know counts as nothing.
+ *
+ * @param {string} run
+ * @returns {Promise<{ figures: FigureItem[], frames: number, interval: number }>} interval in s
+ */
+export async function runExtent(run) {
+  const [figures, frames] = await Promise.all([
+    api.figures(run).catch(() => FIRST_FIGURES),
+    api.frames(run, 2).catch(() => ({ items: [] })),
+  ]);
+  const last = frames.items.at(-1);
+  return {
+    figures: figures.items ?? figures,
+    frames: frames.items.length,
+    interval: last?.index ? last.time / last.index : 0,
+  };
+}

@@ -1,0 +1,123 @@
+// @ts-check
+/** A study as lines to read: name, value, unit, and what the template has where that differs. Pure. */
+import { differences } from "./difference.js";
+import { shown } from "./entry.js";
+import { unitText } from "./format.js";
+import { at } from "./pointer.js";
+import { completed, fieldsUnder } from "./schema.js";
+import { sectionsOf } from "./sections.js";
+import { titleOf, words } from "./titles.js";
+
+/** @typedef {import("./types.js").Study} Study */
+/** @typedef {import("./types.js").Template} Template */
+/** @typedef {import("./schema.js").Field} Field */
+/**
+ * @typedef {{ pointer: string, label: string, text: string, unit: string, standard: string | null }} Row
+ *   `standard` is the template's value where it is another one
+ * @typedef {{ title: string, rows: Row[] }} Group
+ * @typedef {{ title: string, groups: Group[] }} Section
+ */
+
+/**
+ * The study's inputs in the order of the editor.
+ *
+ * @param {Study} study
+ * @param {string} kind of the job
+ * @param {Study | null} template to compare with
+ * @param {any} document with the schemas of the server
+ * @returns {Section[]}
+ */
+export function studySections(study, kind, template, document) {
+  const schema = document.components.schemas.Study;
+  const whole = completed(schema, study, document);
+  const other = template && completed(schema, template, document);
+  const changed = other ? differences(other, whole) : [];
+  const fields = fieldsUnder(schema, whole, "", document).filter(({ pointer }) => pointer !== "/schema_version");
+  const row = (/** @type {Field} */ field) => rowOf(field, whole, other, changed);
+  return sectionsOf(Object.keys(schema.properties), kind)
+    .map(({ title, parts }) => ({
+      title,
+      groups: grouped(
+        fields.filter(({ pointer }) => parts.some((part) => pointer === part || pointer.startsWith(`${part}/`))),
+        whole,
+      ).map(({ title: name, fields: some }) => ({ title: name, rows: some.map(row) })),
+    }))
+    .filter(({ groups }) => groups.length);
+}
+
+/**
+ * The template that a study came from: the one of its name, else the one it is most alike.
+ *
+ * @param {Study} study
+ * @param {string} kind of the job
+ * @param {Template[]} templates
+ * @returns {Template | null}
+ */
+export function closestTemplate(study, kind, templates) {
+  const same = templates.filter((template) => (template.kind ?? "crossing") === kind);
+  const named = same.find((template) => template.study.name === study.name);
+  const apart = (/** @type {Template} */ template) => differences(template.study, study).length;
+  return named ?? same.toSorted((a, b) => apart(a) - apart(b))[0] ?? templates.find((template) => template.study.name === study.name) ?? null;
+}
+
+/**
+ * Fields that belong to the same thing: a vehicle type, the dampers.
+ *
+ * @param {Field[]} fields
+ * @param {Study} study
+ */
+function grouped(fields, study) {
+  /** @type {Map<string, { title: string, fields: Field[] }>} */
+  const groups = new Map();
+  for (const field of fields) {
+    const parent = field.pointer.slice(0, field.pointer.lastIndexOf("/"));
+    const group = groups.get(parent) ?? { title: groupTitle(parent, study), fields: [] };
+    groups.set(parent, group);
+    group.fields.push(field);
+  }
+  return [...groups.values()];
+}
+
+/**
+ * @param {string} pointer
+ * @param {Study} study
+ */
+function groupTitle(pointer, study) {
+  const keys = pointer.split("/").slice(1);
+  if (keys.length < 1) return "";
+  const { name: own, type } = at(study, pointer) ?? {};
+  if (type) return titleOf(type);
+  const last = keys[keys.length - 1];
+  const name = /^\d+$/.test(last) ? `${words(keys[keys.length - 2]).replace(/s$/, "")} ${Number(last) + 1}` : titleOf(pointer, words(last));
+  return own && keys.length > 1 ? `${name}: ${String(own).replace(/_/g, " ")}` : name;
+}
+
+/**
+ * @param {Field} field
+ * @param {Study} study
+ * @param {Study | null} template
+ * @param {string[]} changed pointers of what differs
+ * @returns {Row}
+ */
+function rowOf(field, study, template, changed) {
+  const { pointer } = field;
+  const differs = changed.some((other) => pointer === other || pointer.startsWith(`${other}/`) || other.startsWith(`${pointer}/`) || other === "");
+  const text = (/** @type {any} */ value) => written(value, field);
+  return {
+    pointer,
+    label: titleOf(pointer, field.label),
+    text: text(at(study, pointer)),
+    unit: unitText(field.unit),
+    standard: template && differs ? text(at(template, pointer)) : null,
+  };
+}
+
+/**
+ * @param {any} value
+ * @param {Field} field
+ */
+function written(value, field) {
+  if (field.kind === "switch") return value ? "yes" : "no";
+  if (field.kind === "choice") return titleOf(String(value)).toLowerCase();
+  return shown(value, field).replace(/^-/, "−") || "–";
+}
