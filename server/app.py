@@ -26,6 +26,7 @@ from server.jobs.computing import compute_order
 from server.jobs.coordinator import Coordinator
 from server.jobs.lock import queue_lock
 from server.jobs.orders import Compute
+from server.jobs.states import ENDED, State
 from server.routes import (
     compare,
     compare_plots,
@@ -125,7 +126,10 @@ def create_app(settings: Settings, *, compute: Compute = compute_order) -> FastA
 
     def open_reader(run: str) -> RunReader:
         service: Service = app.state.service
-        return service.open_reader(run)
+        record = service.run(run)
+        reader = service.reader(record)
+        stopped = State(record.state) in ENDED and not reader.done
+        return viewer.StoppedRun(reader.place) if stopped else reader
 
     async def draw(still: viewer.Still) -> bytes:
         service: Service = app.state.service

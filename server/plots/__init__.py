@@ -23,6 +23,7 @@ from server.plots import (
     vehicle_acceleration,
 )
 from server.plots.comparison import MAX_RUNS, ComparisonKind, NamedRun
+from server.plots.deciding import MidSpanPeak, mid_span_peak
 from server.plots.figure import Figure
 from server.plots.kind import FigureKind
 from server.plots.render import MEDIA_TYPES, render
@@ -39,6 +40,7 @@ __all__ = [
     "FigureKind",
     "FigureRequest",
     "LowPass",
+    "MidSpanPeak",
     "NamedRun",
     "PlanSource",
     "RunSource",
@@ -48,6 +50,7 @@ __all__ = [
     "csv_lines",
     "figures",
     "figures_of",
+    "mid_span_peak",
     "read_place",
     "render",
     "speed_sweep",

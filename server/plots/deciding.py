@@ -2,22 +2,70 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from server.plots.source import RunSource
 from server.plots.text import coordinate
 
 __all__ = [
+    "MidSpanPeak",
     "acceleration_limit",
     "acceleration_verdict",
     "cut_off",
     "cut_off_words",
+    "mid_span_peak",
     "where",
 ]
 
 BALLASTED_LIMIT = 3.5
 """EN 1990:2002+A1, A2.4.4.2.1(4): ballasted track. [m/s2]"""
+
+_MID_SPAN = re.compile(r"mid-span (\d+)\b")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MidSpanPeak:
+    """The greatest magnitude at the middle of a span.
+
+    Attributes:
+        place: For example ``mid-span 2, axis``.
+        value: Greatest magnitude, SI.
+        time: [s]
+    """
+
+    place: str
+    value: float
+    time: float
+
+
+def mid_span_peak(summary: Mapping[str, Any], quantity: str) -> MidSpanPeak | None:
+    """The greatest magnitude at the middle of the judged spans; of all where nothing is judged.
+
+    Args:
+        summary: Of a run that is done.
+        quantity: ``displacement`` or ``acceleration``.
+    """
+    peaks: Mapping[str, Mapping[str, float]] = summary.get("peaks") or {}
+    judged = _judged_spans(summary)
+    found: list[MidSpanPeak] = []
+    for name, peak in peaks.items():
+        place, _, what = name.rpartition("/")
+        span = _MID_SPAN.match(place)
+        if what == quantity and span and (judged is None or int(span[1]) in judged):
+            side = "greatest" if peak["greatest"] >= -peak["least"] else "least"
+            time = peak[f"time_of_{side}"]
+            found.append(MidSpanPeak(place=place, value=abs(peak[side]), time=time))
+    return max(found, key=lambda peak: peak.value, default=None)
+
+
+def _judged_spans(summary: Mapping[str, Any]) -> set[int] | None:
+    """Numbers of the spans that are judged, None where nothing is."""
+    verdicts: Sequence[Mapping[str, Any]] = summary.get("verdicts") or ()
+    judged = [span for verdict in verdicts for span in verdict["spans"] if span["judged"]]
+    return {int(span["number"]) for span in judged} if verdicts else None
 
 
 def acceleration_verdict(run: RunSource) -> Mapping[str, Any] | None:

@@ -17,6 +17,8 @@ __all__ = ["KIND", "displacement"]
 
 QUANTITY = "/displacement"
 MAX_DEFAULT = 5
+LEAST = 0.01
+"""Smaller displacements are not stretched over the whole chart. [mm]"""
 
 
 def displacement(run: RunSource, request: FigureRequest) -> Figure:
@@ -46,6 +48,7 @@ def displacement(run: RunSource, request: FigureRequest) -> Figure:
         ],
         table=[table_row(curve) for curve in curves],
         summary=_summary(run, curves),
+        least=LEAST,
         request=request,
     )
 

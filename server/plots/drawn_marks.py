@@ -11,6 +11,8 @@ from server.plots.text import plain
 __all__ = ["draw_note", "draw_shape"]
 
 _BELOW, _ABOVE = 0, 3
+_LOWERED = 0.015
+"""Of the axes' height: letters of an SVG are the reader's own, and would lose their heads."""
 
 
 def draw_shape(axes: Any, shape: Mapping[str, Any]) -> None:
@@ -73,7 +75,7 @@ def _draw_words(axes: Any, note: Mapping[str, Any], style: Mapping[str, Any]) ->
         transform = axes.get_xaxis_transform()
     axes.text(
         0.996 * note["x"] if across else note["x"],
-        note["y"],
+        note["y"] - _LOWERED if standing else note["y"],
         f" {plain(note['text'])}"
         if standing and note["xanchor"] == "left"
         else plain(note["text"]),

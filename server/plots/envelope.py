@@ -228,7 +228,8 @@ def _displacement_words(run: RunSource, found: DisplacementAlong | None) -> str:
         f"{quantity(1e3 * float(found.greatest[high]), unit)} at "
         f"x = {coordinate(found.x[high], 1)} m"
     )
-    return f"{words}, as seen every {1e3 * found.interval:.3g} ms."
+    seen = f"every {1e3 * found.interval:.3g} ms" if found.interval > 0.0 else "in one shape"
+    return f"{words}, as seen {seen}."
 
 
 def _acceleration_words(

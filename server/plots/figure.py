@@ -99,9 +99,16 @@ def compose(
     shapes: Sequence[dict[str, Any]] = (),
     annotations: Sequence[dict[str, Any]] = (),
     value_range: tuple[float, float] | None = None,
+    least: float = 0.0,
     request: FigureRequest,
 ) -> Figure:
-    """Puts traces, lines and words together on one time axis over the whole run."""
+    """Puts traces, lines and words together on one time axis over the whole run.
+
+    Values that all lie within +-``least`` are drawn on that range: before the train arrives, noise
+    is no picture.
+    """
+    if _greatest(traces) < least:
+        value_range = (-least, least)
     return chart(
         title=title,
         x_axis={"title": {"text": "time [s]"}, "range": window(plan, request)},
@@ -120,6 +127,11 @@ def compose(
             "end": (plan.n_sample - 1) * plan.time_step,
         },
     )
+
+
+def _greatest(traces: Sequence[dict[str, Any]]) -> float:
+    """Greatest magnitude that is drawn, 0 where nothing is; gaps are None."""
+    return max((abs(y) for trace in traces for y in trace["y"] if y is not None), default=0.0)
 
 
 def value_axis(title: str, value_range: tuple[float, float] | None = None) -> dict[str, Any]:

@@ -39,6 +39,8 @@ from solver.units import Units
 __all__ = ["KIND", "slab_acceleration"]
 
 FILTERED = " (filtered)"
+LEAST = 0.01
+"""Smaller accelerations are not stretched over the whole chart. [m/s²]"""
 
 
 def slab_acceleration(run: RunSource, request: FigureRequest) -> Figure:
@@ -89,6 +91,7 @@ def slab_acceleration(run: RunSource, request: FigureRequest) -> Figure:
         shapes=limit_band(limit),
         value_range=room_for_callout(run, curves, judged, limit),
         annotations=[*limit_notes(limit), *peak_callout(run, judged, limit, request)],
+        least=LEAST,
         request=request,
     )
 

@@ -37,9 +37,10 @@ SHORTEST = 16
 """Samples below which there is no spectrum worth drawing."""
 BELOW_NOTES = 110
 """How far below its peak a callout stands: above are the notes of frequencies. [pixel]"""
-CUT_OFFS_SHOWN = 4.0
+CUT_OFFS_SHOWN = 3.0
+"""The axis reaches at first to so many cut-offs of the verdict: above, nothing is judged."""
 ENERGY_SHOWN = 0.99
-"""The axis reaches at first to so many cut-offs, or as far as this part of the energy does."""
+"""Without a cut-off it reaches as far as this part of the energy does."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,8 +108,9 @@ def _spectrum(run: RunSource, spec: ChannelSpec, request: FigureRequest) -> _Dra
 def _last_shown(run: RunSource, drawn: Sequence[_Drawn]) -> float:
     """End of the frequency axis: round, and not beyond what samples can show. [Hz]"""
     nyquist = 0.5 / run.plan.time_step
-    ends = [CUT_OFFS_SHOWN * (cut_off(run) or 0.0), 10.0]
-    for item in drawn:
+    limit = cut_off(run)
+    ends = [10.0] if limit is None else [CUT_OFFS_SHOWN * limit]
+    for item in drawn if limit is None else ():
         energy = np.cumsum(item.spectrum.amplitude**2)
         if energy[-1] > 0.0:
             index = int(np.searchsorted(energy, ENERGY_SHOWN * energy[-1]))

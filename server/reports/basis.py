@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
 from typing import Any
 
 from server.jobs.built_in_library import BuiltInEntry, built_in_entries
@@ -105,7 +106,7 @@ _LETTERS = (
 def _sources(material: Material) -> Table:
     rows: list[tuple[str, ...]] = []
     document = studies.to_json(material.study)
-    for kind, part in PARTS.items():
+    for kind, part in _parts(material).items():
         known = _known(kind, document[part])
         if known is None:
             name = document[part].get("name") or document[part]["type"].replace("_", " ")
@@ -126,7 +127,7 @@ def _remarks(material: Material) -> list[tuple[str, ...]]:
     """What is known of single figures, of those that are still as their source has them."""
     document = studies.to_json(material.study)
     found: list[tuple[str, ...]] = []
-    for kind, part in PARTS.items():
+    for kind, part in _parts(material).items():
         entry = _known(kind, document[part]) or _like(kind, document[part])
         for remark in () if entry is None else entry.remarks:
             given = _at(document[part], remark.pointer)
@@ -134,6 +135,19 @@ def _remarks(material: Material) -> list[tuple[str, ...]]:
                 _, name = input_name(f"/{part}{remark.pointer}")
                 found.append((part.capitalize(), name, remark.confidence, remark.text))
     return found
+
+
+_PARTS_OF_MODES: Mapping[str, Sequence[str]] = {
+    "viaduct": ("viaducts", "tracks"),
+    "track": ("tracks",),
+    "train": ("trains",),
+}
+
+
+def _parts(material: Material) -> Mapping[str, str]:
+    """The parts of the study that the results depend on: a modal analysis leaves some out."""
+    kinds = _PARTS_OF_MODES[material.study.modes.part] if material.modal else tuple(PARTS)
+    return {kind: PARTS[kind] for kind in kinds}
 
 
 def _known(kind: str, value: Mapping[str, Any]) -> BuiltInEntry | None:
@@ -225,7 +239,8 @@ def identity_section(material: Material) -> Section:
     rows = [
         ("Job", material.job.id),
         ("Run that decides" if material.verdicts else "Run shown", material.deciding.record.id),
-        ("Trainbridge", material.version),
+        ("Computed until", _moment(material.deciding.record.ended)),
+        ("Report written by", f"Trainbridge {material.version}"),
         *((str(name), str(value)) for name, value in versions.items()),
         ("Back end", str(material.deciding.facts.get("back_end", "–"))),
         ("Digest of the study (SHA-256)", study_digest(material)),
@@ -238,6 +253,11 @@ def identity_section(material: Material) -> Section:
     return Section(
         title="Software and identity", blocks=(Facts(rows=tuple(rows)), Paragraph(text=text))
     )
+
+
+def _moment(seconds: float | None) -> str:
+    """Date and time of day, UTC, from seconds since 1970."""
+    return "–" if seconds is None else f"{datetime.fromtimestamp(seconds, UTC):%Y-%m-%d %H:%M} UTC"
 
 
 def _whose_source(versions: Mapping[str, Any]) -> str:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from server.plots import Figure
-from server.plots.text import plain
 from server.reports.basis import (
     all_inputs_section,
     data_section,
@@ -15,6 +13,7 @@ from server.reports.basis import (
     study_digest,
 )
 from server.reports.document import Block, Document, Facts, Paragraph, Picture, Section
+from server.reports.figures import Illustration
 from server.reports.material import Material
 from server.reports.numerics import accuracy_section
 from server.reports.results import result_section, speeds_section
@@ -25,7 +24,7 @@ from solver.units import Units
 __all__ = ["build_report"]
 
 
-def build_report(material: Material, figures: Mapping[str, Figure]) -> Document:
+def build_report(material: Material, figures: Mapping[str, Illustration]) -> Document:
     """The report of a job.
 
     Args:
@@ -99,7 +98,7 @@ def _what(material: Material) -> list[tuple[str, str]]:
     return [train, structure, ("Irregularity", str(facts.get("irregularity", "–")))]
 
 
-def _figures_section(material: Material, figures: Mapping[str, Figure]) -> Section | None:
+def _figures_section(material: Material, figures: Mapping[str, Illustration]) -> Section | None:
     if not figures:
         return None
     run = material.deciding
@@ -108,13 +107,8 @@ def _figures_section(material: Material, figures: Mapping[str, Figure]) -> Secti
         which = "that decides, at" if material.verdicts else "at"
         words = f"Figures of one run show the run {which} {speed(run.speed)}."
         blocks.append(Paragraph(text=words))
-    for number, (name, figure) in enumerate(figures.items(), start=1):
-        title = str(figure["layout"].get("title", {}).get("text", name))
-        blocks.append(
-            Picture(
-                name=name,
-                caption=f"Figure {number}: {plain(title)}",
-                words=str(figure["summary"]),
-            )
-        )
+    blocks += [
+        Picture(name=name, caption=f"Figure {number}: {figure.title}", words=figure.words)
+        for number, (name, figure) in enumerate(figures.items(), start=1)
+    ]
     return Section(title="Figures", blocks=tuple(blocks))

@@ -9,6 +9,7 @@ from typing import Any
 
 from server.jobs.gather import worst_verdicts
 from server.jobs.submission import stored_study
+from server.plots import MidSpanPeak, mid_span_peak
 from server.store import JobRecord, Place, RunReader, RunRecord, attempt_place
 from solver.studies import Study
 
@@ -69,6 +70,11 @@ class RunMaterial:
     def peaks(self) -> Mapping[str, Mapping[str, float]]:
         """Extremes by channel, SI."""
         return self.summary.get("peaks") or {}
+
+    @property
+    def greatest_displacement(self) -> MidSpanPeak | None:
+        """At the middle of the spans that decide; None where no such point is recorded. [m]"""
+        return mid_span_peak(self.summary, "displacement")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -32,6 +32,7 @@ _TABLE_LINE = 4.3
 _SHORT_TABLE = 12
 """Rows of a table that is not torn."""
 _FACT_WIDTH = 54.0
+_HEADING = 16.0
 _PICTURE_SHAPE = 4.2 / 9.0
 """Height over width where the picture does not say."""
 
@@ -51,7 +52,7 @@ def write_pdf(document: Document, pictures: Mapping[str, bytes]) -> bytes:
     sheet = _new_sheet(document)
     _write_head(sheet, document)
     for section in document.sections:
-        _write_heading(sheet, section.title)
+        _write_heading(sheet, section.title, _head_height(sheet, section.blocks, pictures))
         for block in section.blocks:
             _write_block(sheet, block, pictures)
     return bytes(sheet.output())
@@ -97,8 +98,17 @@ def _write_head(sheet: Any, document: Document) -> None:
     _write_facts(sheet, document.head)
 
 
-def _write_heading(sheet: Any, title: str) -> None:
-    _keep(sheet, 42.0)
+def _head_height(sheet: Any, blocks: Sequence[Block], pictures: Mapping[str, bytes]) -> float:
+    """What must find room on the page of a heading: its first words, and a picture below them."""
+    for number, block in enumerate(blocks[:2]):
+        if isinstance(block, Picture):
+            words = number * (_LINE_HEIGHT + 2.0)
+            return _HEADING + words + _picture_height(sheet, block, pictures[block.name])
+    return _HEADING + 26.0
+
+
+def _write_heading(sheet: Any, title: str, needed: float) -> None:
+    _keep(sheet, min(needed, sheet.eph))
     sheet.ln(5.0)
     sheet.set_font(_FAMILY, "B", 12.5)
     sheet.set_text_color(*_INK)
@@ -132,8 +142,13 @@ def _write_block(sheet: Any, block: Block, pictures: Mapping[str, bytes]) -> Non
 def _write_paragraph(sheet: Any, block: Paragraph) -> None:
     """Words, in a box with an edge where they carry a tone."""
     text = f"{block.heading} {block.text}".strip()
-    if block.tone == "plain":
+    if block.tone == "plain" and not block.heading:
         _paragraph(sheet, text, _LINE_HEIGHT)
+        return
+    if block.tone == "plain":
+        _keep(sheet, 2 * _LINE_HEIGHT)
+        _words_with_heading(sheet, block, sheet.epw)
+        sheet.ln(_LINE_HEIGHT)
         return
     ground, edge = _TONES[block.tone]
     inset, width = 3.5, sheet.epw
@@ -232,20 +247,23 @@ def _write_table(sheet: Any, block: Table) -> None:
     sheet.ln(1.5)
 
 
-def _write_picture(sheet: Any, block: Picture, content: bytes) -> None:
-    shape = _shape(content)
+def _picture_height(sheet: Any, block: Picture, content: bytes) -> float:
+    """A figure with its words, if a page can hold them."""
     sheet.set_font(_FAMILY, size=8.2)
     words = sheet.multi_cell(
         sheet.epw, _TABLE_LINE, _clean(block.words), dry_run=True, output="LINES"
     )
-    height = sheet.epw * shape
-    # The figure and its words on one page, if a page can hold them.
-    _keep(sheet, min(height + (len(words) + 2) * _TABLE_LINE + 4.0, sheet.eph - 1.0))
+    height = sheet.epw * _shape(content) + (len(words) + 2) * _TABLE_LINE + 4.0
+    return min(height, sheet.eph - 1.0)
+
+
+def _write_picture(sheet: Any, block: Picture, content: bytes) -> None:
+    _keep(sheet, _picture_height(sheet, block, content))
     sheet.image(
         BytesIO(content),
         x=sheet.l_margin,
         w=sheet.epw,
-        h=height,
+        h=sheet.epw * _shape(content),
         alt_text=_clean(block.words)[:500],
     )
     sheet.ln(0.8)

@@ -18,13 +18,14 @@ _MOST_PEAKS = 24
 def result_section(material: Material) -> Section:
     """What was found, the verdict first."""
     if material.modal:
-        return Section(title="Natural modes", blocks=(_modes(material.deciding),))
+        return Section(title="Natural modes", blocks=tuple(_modes(material.deciding)))
     blocks: list[Block] = []
     for verdict in material.verdicts:
         blocks += _verdict(verdict)
     for run in material.runs[:1]:
         if not material.verdicts and run.summary.get("unjudged"):
             blocks.append(Paragraph(text=str(run.summary["unjudged"]), tone="note"))
+    blocks += _contact(material.deciding)
     blocks += _comfort(material.deciding)
     if not material.verdicts:
         blocks.append(_peaks(material.deciding))
@@ -53,7 +54,7 @@ def _verdict(verdict: Mapping[str, Any]) -> list[Block]:
         ("Clause", str(verdict["clause"])),
         ("Limit", f"{number(verdict['limit'], 3)} {unit}"),
         ("Value", f"{number(verdict['value'], 4)} {unit}"),
-        ("Value over limit", percent(verdict["value"] / verdict["limit"], 3)),
+        ("Share of the limit", percent(verdict["value"] / verdict["limit"], 3)),
         ("Where", f"x = {place['x']:.2f} m, y = {place['y']:.2f} m, {place['name']}"),
         ("When", f"{verdict['time']:.3f} s"),
         ("Filter", str(verdict["filter"])),
@@ -88,7 +89,7 @@ def _spans(verdict: Mapping[str, Any], unit: str) -> Table:
         caption=f"{str(verdict['rule']).capitalize()}: spans and named points",
         words=(0, 5),
         marked=judged,
-        widths=(2.4, 1.2, 1.3, 1.0, 1.1, 2.0),
+        widths=(2.1, 1.5, 1.4, 0.8, 1.3, 2.6),
     )
 
 
@@ -105,6 +106,30 @@ def _peak_row(name: str, item: Mapping[str, Any], remark: str) -> tuple[str, ...
     )
 
 
+def _contact(run: RunMaterial) -> list[Block]:
+    """The least force between any wheel and its rail since the first axle's arrival."""
+    forces = [
+        (float(peak["least"]), name.rpartition("/")[0], float(peak["time_of_least"]))
+        for name, peak in run.peaks.items()
+        if name.endswith("/contact force")
+    ]
+    if not forces:
+        return []
+    least, wheel, time = min(forces)
+    text = (
+        f"{number(1e-3 * least, 3)} kN at {wheel}, t = {time:.3f} s; of {len(forces)} contacts "
+        f"{_lost(least)}."
+    )
+    return [Paragraph(heading="Least contact force.", text=text)]
+
+
+def _lost(least: float) -> str:
+    """What the least force says of all contacts. [N]"""
+    if least > 0.0:
+        return "none is lost"
+    return "at least one is lost" if least == 0.0 else "at least one bears tension, as modelled"
+
+
 def _comfort(run: RunMaterial) -> list[Block]:
     """Levels of comfort, where the train has cars and they were looked at."""
     comfort: Mapping[str, Any] | None = run.summary.get("comfort")
@@ -119,7 +144,7 @@ def _comfort(run: RunMaterial) -> list[Block]:
         f"({comfort['clause']}: {levels})."
     )
     rows = tuple(
-        (str(car["name"]), number(car["peak"], 3), f"{car['time']:.3f}", _level(car))
+        (str(car["name"]), f"{car['peak']:.3f}", f"{car['time']:.3f}", _level(car))
         for car in comfort["cars"]
     )
     heads = ("Car", "greatest [m/s²]", "t [s]", "level")
@@ -163,26 +188,41 @@ def _extremes_row(spec: ChannelSpec, peak: Mapping[str, float]) -> tuple[str, ..
     )
 
 
-def _modes(run: RunMaterial) -> Table:
+def _modes(run: RunMaterial) -> list[Block]:
+    """The table of frequencies, and what they are of."""
+    facts = run.facts
+    said = [facts.get("support"), facts.get("damping")]
+    words = "; ".join(str(words) for words in said if words)
+    return [*([Paragraph(text=_sentence(words))] if words else []), _mode_table(run)]
+
+
+def _mode_table(run: RunMaterial) -> Table:
     modes: Sequence[Mapping[str, Any]] = run.summary.get("modes") or ()
-    named = any(mode["name"] for mode in modes)
-    heads = ("Mode", "frequency [Hz]", "damping [%]", *(("shape", "MAC") if named else ()))
-    rows: list[tuple[str, ...]] = []
-    for mode in modes:
-        shape = (str(mode["name"]) or "–", f"{mode['assurance']:.3f}" if mode["name"] else "–")
-        values = (
-            str(mode["number"]),
-            number(mode["frequency"], 5),
-            f"{100.0 * mode['damping']:.2f}",
-        )
-        rows.append(values + (shape if named else ()))
+    named = [index for index, mode in enumerate(modes) if mode["name"]]
+    # Names that follow from the model, as those of a train's modes, are compared with nothing.
+    likened = any(mode["assurance"] > 0.0 for mode in modes)
+    heads = ("Mode", "frequency [Hz]", "damping [%]")
+    heads += (("shape",) if named else ()) + (("MAC",) if likened else ())
+    caption = "Natural frequencies"
+    if likened:
+        caption += "; MAC is the modal assurance criterion of the named shape"
     return Table(
         heads=heads,
-        rows=tuple(rows),
-        caption="Natural frequencies"
-        + ("; MAC is the modal assurance criterion of the named shape" if named else ""),
+        rows=tuple(_mode_row(mode)[: len(heads)] for mode in modes),
+        caption=caption,
         words=(0, 3) if named else (0,),
-        marked=tuple(index for index, mode in enumerate(modes) if mode["name"]),
+        marked=tuple(named) if len(named) < len(modes) else (),
+        widths=(0.7, 1.2, 1.0, 3.0, 0.8)[: len(heads)],
+    )
+
+
+def _mode_row(mode: Mapping[str, Any]) -> tuple[str, ...]:
+    return (
+        str(mode["number"]),
+        number(mode["frequency"], 5),
+        f"{100.0 * mode['damping']:.2f}",
+        str(mode["name"]) or "–",
+        f"{mode['assurance']:.3f}" if mode["name"] else "–",
     )
 
 
@@ -194,13 +234,13 @@ def speeds_section(material: Material) -> Section | None:
     rows: list[tuple[str, ...]] = []
     for run in material.runs:
         verdict = run.verdicts[0] if run.verdicts else None
-        deepest = _deepest(run)
-        sag = "–" if deepest is None else number(-1e3 * deepest, 4)
+        greatest = run.greatest_displacement
+        moved = "–" if greatest is None else number(1e3 * greatest.value, 4)
         peak = (number(verdict["value"], 4), number(verdict["raw"]["value"], 4)) if verdict else ()
         side = ("exceeds" if verdict["exceeds"] else "within",) if verdict else ()
         name = "–" if run.speed is None else number(round(3.6 * run.speed, 1), 5)
-        rows.append((name, *peak, sag, *side))
-    heads = ("speed [km/h]", "filtered [m/s²]", "raw [m/s²]", "deflection [mm]", "limit")
+        rows.append((name, *peak, moved, *side))
+    heads = ("speed [km/h]", "filtered [m/s²]", "raw [m/s²]", "displacement [mm]", "limit")
     index = material.runs.index(material.deciding)
     return Section(
         title="Speeds",
@@ -209,26 +249,16 @@ def speeds_section(material: Material) -> Section | None:
                 heads=heads if judged else (heads[0], heads[3]),
                 rows=tuple(rows),
                 caption=(
-                    "Greatest acceleration that decides and greatest deflection at mid-span, "
-                    "by speed; the row that decides is marked"
+                    "Greatest acceleration that decides, and greatest displacement at the middle "
+                    "of the spans that decide, by speed; the row that decides is marked"
                     if judged
-                    else "Greatest deflection at mid-span, by speed"
+                    else "Greatest displacement at mid-span, by speed"
                 ),
                 words=(4,) if judged else (),
                 marked=(index,) if judged else (),
             ),
         ),
     )
-
-
-def _deepest(run: RunMaterial) -> float | None:
-    """The lowest point of any mid-span. [m]"""
-    sags = [
-        float(peak["least"])
-        for name, peak in run.peaks.items()
-        if name.startswith("mid-span") and name.endswith("/displacement")
-    ]
-    return min(sags) if sags else None
 
 
 def _sentence(text: str) -> str:

@@ -34,6 +34,8 @@ async def read_job_figure(
 
 
 def _figure(service: Service, job: str, name: str, request: FigureRequest) -> Figure:
-    if name != SPEED_SWEEP:
+    record = service.job(job)
+    # Modes have no speed.
+    if name != SPEED_SWEEP or record.kind == "modes":
         raise gone_missing("figure", name)
-    return plain(speed_sweep(read_sweep(service, service.job(job)), request))
+    return plain(speed_sweep(read_sweep(service, record), request))

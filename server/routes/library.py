@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from server.errors import Finding, Problem, gone_missing
 from server.jobs.built_in_library import BuiltInEntry, built_in_entries
@@ -25,7 +26,7 @@ Kind = Literal["trains", "viaducts", "tracks", "irregularities"]
 _MOST_IMPORTED = 200
 _CLONE = "Clone it, and change the clone."
 
-Name = Annotated[str, Field(min_length=1, max_length=120)]
+Name = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=120)]
 Source = Annotated[str, Field(max_length=1000)]
 Confidence = Annotated[str, Field(max_length=500)]
 
@@ -120,7 +121,7 @@ class ImportResult(BaseModel):
     items: list[LibraryItem]
     """The new entries."""
     skipped: list[str]
-    """Names of entries that are here already, with the same value."""
+    """Names of entries that are here already, or came twice, with the same value."""
 
 
 @router.get("")
@@ -141,9 +142,15 @@ def import_library(body: ImportBody, service: ServiceDependency) -> ImportResult
     if findings:
         raise _unusable(findings)
     known = [(item.kind, item.name, item.value) for item in _items(service, None)]
-    new = [entry for entry in read if (entry.kind, entry.name, entry.value) not in known]
+    new: list[NewEntry] = []
+    skipped: list[str] = []
+    for entry in read:
+        if (entry.kind, entry.name, entry.value) in known:
+            skipped.append(entry.name)
+            continue
+        known.append((entry.kind, entry.name, dict(entry.value)))
+        new.append(entry)
     kept = _add(service, new)
-    skipped = [entry.name for entry in read if entry not in new]
     return ImportResult(items=[_kept_item(record) for record in kept], skipped=skipped)
 
 
@@ -182,7 +189,10 @@ def change_entry(
     """Replaces an entry's content. No job changes: jobs hold their parts by value."""
     _require_own(kind, entry_id)
     new = _entry(kind, body)
-    changed = service.database.change_library_entry(entry_id, new) if _may_be_id(entry_id) else None
+    changed: LibraryRecord | None = None
+    if _may_be_id(entry_id):
+        with _room():
+            changed = service.database.change_library_entry(entry_id, new)
     if changed is None:
         raise gone_missing("entry", entry_id)
     return _kept_item(changed)
@@ -219,8 +229,15 @@ def _read(
 
 
 def _add(service: Service, entries: Sequence[NewEntry]) -> list[LibraryRecord]:
-    try:
+    with _room():
         return service.database.add_library_entries(entries)
+
+
+@contextmanager
+def _room() -> Generator[None]:
+    """What to say where the library is full: 409."""
+    try:
+        yield
     except LibraryFullError as error:
         raise Problem(
             409, "The library is full", f"{error} Delete some that are no longer needed."

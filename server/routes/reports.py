@@ -12,17 +12,19 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from server.errors import Problem
-from server.plots import Figure, FigureRequest, speed_sweep
+from server.plots import FigureRequest, speed_sweep
 from server.reports.build import build_report
 from server.reports.document import Document
-from server.reports.figures import report_figures, untitled
+from server.reports.figures import Illustration, illustrated, report_figures
 from server.reports.html_writer import POLICY, write_html
 from server.reports.material import Material, NothingToReportError, ReportHead
 from server.reports.pdf_writer import write_pdf
+from server.reports.stills import report_stills
 from server.routes.service import Service, ServiceDependency
 from server.routes.sweeps import read_sweep
-from server.store import JobRecord, plain
+from server.store import JobRecord
 from server.version import package_version
+from server.viewer import Still, draw_still
 from solver.standards.low_pass import low_pass
 
 __all__ = ["router"]
@@ -72,7 +74,7 @@ async def read_report(
         drawn = {name: await _picture(service, item) for name, item in figures.items()}
         content = (await run_in_threadpool(write_html, document, drawn)).encode()
     else:
-        pixels = {name: await service.drawing.draw(item, "png") for name, item in figures.items()}
+        pixels = {name: await _pixels(service, item) for name, item in figures.items()}
         content = await service.drawing.work(write_pdf, document, pixels)
     return Response(
         content,
@@ -83,7 +85,7 @@ async def read_report(
 
 def _built(
     service: Service, job: JobRecord, head: ReportHead
-) -> tuple[Document, Mapping[str, Figure]]:
+) -> tuple[Document, Mapping[str, Illustration]]:
     """The document, and its figures ready to be drawn.
 
     Raises:
@@ -95,20 +97,26 @@ def _built(
     except NothingToReportError as error:
         detail = f"{error} A report needs one that is."
         raise Problem(409, "Nothing to report yet", detail) from None
-    figures = report_figures(material, low_pass)
+    figures = {**report_stills(material), **report_figures(material, low_pass)}
     if len(material.runs) > 1 and not material.modal:
-        sweep = speed_sweep(read_sweep(service, job), FigureRequest())
-        figures = {"speed-sweep": plain(sweep), **figures}
-    document = build_report(material, figures)
-    return document, {name: untitled(figure) for name, figure in figures.items()}
+        sweep = illustrated(speed_sweep(read_sweep(service, job), FigureRequest()))
+        figures = {"speed-sweep": sweep, **figures}
+    return build_report(material, figures), figures
 
 
-async def _picture(service: Service, figure: Figure) -> tuple[str, bytes]:
+async def _picture(service: Service, item: Illustration) -> tuple[str, bytes]:
     """Lines that stay sharp, or pixels where they would be too many."""
-    lines = await service.drawing.draw(figure, "svg")
-    if len(lines) <= _LARGEST_SVG:
-        return "svg", lines
-    return "png", await service.drawing.draw(figure, "png")
+    if not isinstance(item.drawing, Still):
+        lines = await service.drawing.draw(item.drawing, "svg")
+        if len(lines) <= _LARGEST_SVG:
+            return "svg", lines
+    return "png", await _pixels(service, item)
+
+
+async def _pixels(service: Service, item: Illustration) -> bytes:
+    if isinstance(item.drawing, Still):
+        return await service.drawing.work(draw_still, item.drawing)
+    return await service.drawing.draw(item.drawing, "png")
 
 
 def _headers(job: JobRecord, file_format: str, *, preview: bool) -> dict[str, str]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from server.jobs.states import ENDED, State
 from server.jobs.submission import stored_study
-from server.plots import Sweep, SweepPoint
+from server.plots import Sweep, SweepPoint, mid_span_peak
 from server.routes.service import Service
 from server.store import JobRecord, RunReader, RunRecord, attempt_place
 from solver.studies import Study
@@ -55,33 +55,14 @@ def _verdict(summary: Mapping[str, Any]) -> Mapping[str, Any] | None:
 
 def _point(run: RunRecord, summary: Mapping[str, Any]) -> SweepPoint:
     verdict = _verdict(summary)
-    peaks: Mapping[str, Mapping[str, float]] = summary.get("peaks", {})
-    spans = _judged_spans(verdict)
-    raw = _greatest(peaks, "/acceleration", spans)
+    raw, moved = (mid_span_peak(summary, what) for what in ("acceleration", "displacement"))
+    at_mid_span = None if raw is None else raw.value
     return SweepPoint(
         run=run.id,
         speed=_speed(run),
-        acceleration=raw if verdict is None else float(verdict["value"]),
-        displacement=_greatest(peaks, "/displacement", spans),
+        acceleration=at_mid_span if verdict is None else float(verdict["value"]),
+        displacement=None if moved is None else moved.value,
     )
-
-
-def _judged_spans(verdict: Mapping[str, Any] | None) -> tuple[str, ...]:
-    """Beginnings of the names of points that count: of all spans where nothing is judged."""
-    if verdict is None:
-        return ("mid-span ",)
-    return tuple(f"mid-span {span['number']}" for span in verdict["spans"] if span["judged"])
-
-
-def _greatest(
-    peaks: Mapping[str, Mapping[str, float]], quantity: str, spans: tuple[str, ...]
-) -> float | None:
-    sizes = [
-        max(-peak["least"], peak["greatest"])
-        for name, peak in peaks.items()
-        if name.endswith(quantity) and name.startswith(spans)
-    ]
-    return max(sizes, default=None)
 
 
 def _first_frequency(study: Study, summaries: Sequence[Mapping[str, Any]]) -> tuple[float, str]:

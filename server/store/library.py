@@ -11,20 +11,29 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import delete, func, select
+from sqlalchemy import Text, cast, delete, func, select
 from sqlalchemy.orm import Session
 
 from server.store.models import LibraryRow
 from server.store.sessions import Sessions
 
-__all__ = ["MOST_ENTRIES", "Library", "LibraryFullError", "LibraryRecord", "NewEntry"]
+__all__ = [
+    "LARGEST_LIBRARY",
+    "MOST_ENTRIES",
+    "Library",
+    "LibraryFullError",
+    "LibraryRecord",
+    "NewEntry",
+]
 
 MOST_ENTRIES = 2000
 """Entries that one installation keeps."""
+LARGEST_LIBRARY = 32 * 1024 * 1024
+"""Of all entries' values and remarks as JSON: the whole library is listed in one answer. [B]"""
 
 
 class LibraryFullError(Exception):
-    """As many entries are kept as the library holds."""
+    """As many entries are kept, or as large ones, as the library holds."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,13 +90,16 @@ class Library(Sessions):
             LibraryFullError: They are more than the library holds.
         """
         with self._write() as session:
-            kept = session.scalar(select(func.count()).select_from(LibraryRow)) or 0
-            if kept + len(entries) > MOST_ENTRIES:
-                raise LibraryFullError(f"The library holds {MOST_ENTRIES} entries at most.")
-            return [_record(row) for row in self._added(session, entries)]
+            added = [_record(row) for row in self._added(session, entries)]
+            _require_room(session)
+            return added
 
     def change_library_entry(self, entry: str, new: NewEntry) -> LibraryRecord | None:
-        """Replaces an entry's content; None where there is no such entry of its kind."""
+        """Replaces an entry's content; None where there is no such entry of its kind.
+
+        Raises:
+            LibraryFullError: It is larger than what is left.
+        """
         with self._write() as session:
             row = session.scalar(_one(new.kind, entry))
             if row is None:
@@ -96,6 +108,7 @@ class Library(Sessions):
                 setattr(row, name, content)
             row.changed = self._clock()
             session.flush()
+            _require_room(session)
             # As it is stored: without NUL.
             session.refresh(row)
             return _record(row)
@@ -117,6 +130,23 @@ class Library(Sessions):
         for row in rows:
             session.refresh(row)
         return rows
+
+
+def _require_room(session: Session) -> None:
+    """Looks at what is there after a change; raising undoes the change.
+
+    Raises:
+        LibraryFullError: It is too much.
+    """
+    value, remarks = (
+        func.coalesce(func.sum(func.length(cast(column, Text))), 0)
+        for column in (LibraryRow.value, LibraryRow.remarks)
+    )
+    count, total = session.execute(select(func.count(LibraryRow.id), value + remarks)).one()
+    if count > MOST_ENTRIES:
+        raise LibraryFullError(f"The library holds {MOST_ENTRIES} entries at most.")
+    if int(total) > LARGEST_LIBRARY:
+        raise LibraryFullError(f"The library holds {LARGEST_LIBRARY // 1024**2} MiB at most.")
 
 
 def _one(kind: str, entry: str) -> Any:

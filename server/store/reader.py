@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -26,9 +26,12 @@ from server.store.plan import StoredPlan, read_plan
 from solver.arrays import IntVector, Matrix, Vector
 from solver.results import Frame, SlabPeaks
 
-__all__ = ["NotStoredError", "RunReader"]
+__all__ = ["Motion", "NotStoredError", "RunReader"]
 
 _Values = TypeVar("_Values")
+
+Motion: TypeAlias = Literal["velocity", "acceleration"]
+"""What a frame may hold besides displacements."""
 
 _FRAMES_AT_ONCE = 64
 """Frames of 50,000 vertices take 38 MB."""
@@ -64,6 +67,11 @@ class RunReader:
         self._seen = 0
         self._groups: dict[str, dict[str, Any]] = {}
         self._plan: StoredPlan | None = None
+
+    @property
+    def identity(self) -> str:
+        """Differs between attempts at a run."""
+        return self.place.url
 
     @property
     def plan(self) -> StoredPlan:
@@ -154,8 +162,14 @@ class RunReader:
         """The step of a frame."""
         return index * self.plan.frame_stride
 
-    def frame(self, index: int) -> Frame:
+    def frame(
+        self, index: int, *, motion: Collection[Motion] = ("velocity", "acceleration")
+    ) -> Frame:
         """The displaced state of a frame.
+
+        Args:
+            index: The frame.
+            motion: What else is read of the vertices; each costs as much as the displacements.
 
         Raises:
             NotStoredError: The frame is not there (yet).
@@ -164,12 +178,11 @@ class RunReader:
             raise NotStoredError(f"Frame {index} is not stored; there are {self.committed_frames}.")
         plan = self.plan
         n_vertex = plan.geometry.vertices.shape[0]
-        moves = plan.frame_motion
+        read = motion if plan.frame_motion else ()
         return Frame(
             displacement=self._frame_values("frames", index, (n_vertex, 3)),
             bodies=self._frame_values("bodies", index, (len(plan.geometry.bodies), 3)),
-            velocity=self._frame_values("velocity", index, (n_vertex,)) if moves else None,
-            acceleration=self._frame_values("acceleration", index, (n_vertex,)) if moves else None,
+            **{name: self._frame_values(name, index, (n_vertex,)) for name in read},
         )
 
     def heights(self, vertices: IntVector, frames: range) -> Matrix:

@@ -2,13 +2,14 @@
 
 from server.viewer.routes import router
 from server.viewer.session import ViewerLimits
-from server.viewer.source import FrameSource
+from server.viewer.source import FrameSource, StoppedRun
 from server.viewer.stills import Still, StillOptions, draw_still, still
 
 __all__ = [
     "FrameSource",
     "Still",
     "StillOptions",
+    "StoppedRun",
     "ViewerLimits",
     "draw_still",
     "router",

@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from server.store.reader import Motion
 from server.viewer.colour_map import DIVERGING, SEQUENTIAL, ColourBar, ColourMap, rounded_up
 from server.viewer.palette import Colouring
 from server.viewer.source import FrameSource
 from solver.arrays import IntVector, Vector
 from solver.results import Frame, RunPlan, SlabPeaks
 
-__all__ = ["SurfaceColours"]
+__all__ = ["SurfaceColours", "needed"]
 
 _BRIDGE = ("slab", "deck", "beam", "walls")
 _TRACK = ("sleepers", "rails")
@@ -171,6 +172,11 @@ class SurfaceColours:
                     top = float(np.abs(values[ruling]).max(initial=0.0))
                     self._greatest[colouring] = max(top, self._greatest.get(colouring, 0.0))
         self._surveyed = count
+
+
+def needed(colouring: Colouring) -> tuple[Motion, ...]:
+    """What a colouring reads of a frame besides its displacements."""
+    return (colouring,) if colouring == "velocity" or colouring == "acceleration" else ()
 
 
 def _values(frame: Frame, colouring: Colouring) -> Vector | None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Generator
+from contextlib import contextmanager
 from typing import Annotated, TypeAlias
 
 from fastapi import APIRouter, Query, Response
@@ -25,6 +26,8 @@ DrawStill: TypeAlias = Callable[[Still], Awaitable[bytes]]
 
 _PATIENCE = 20.0
 """A replay waits this long for the one before it. [s]"""
+_WAITING = 4
+"""Replays that wait at once: each holds a thread that other answers need."""
 
 Time = Annotated[
     float | None, Query(ge=0.0, le=1e6, allow_inf_nan=False, description="Time in the run. [s]")
@@ -66,6 +69,7 @@ def add_exports(
         limits: How large a replay may become.
     """
     bounds, one_at_once = limits or ReplayLimits(), threading.Lock()
+    places = threading.BoundedSemaphore(1 + _WAITING)
 
     @routes.get(
         "/api/v1/runs/{run_id}/viewer/still.png",
@@ -121,26 +125,40 @@ def add_exports(
         """A stretch of the run as one page that opens from disk, without a network."""
         source = open_reader(run_id)
         _require_possible(source, colour, mode)
+        options = ReplayOptions(
+            start=begin,
+            stop=end,
+            mode=mode,
+            camera=camera,
+            colour=colour,
+            scale=scale,
+            theme=theme,
+        )
+        with _turn(places, one_at_once):
+            made = replay(source, options, bounds)
+        return _attachment(made, run_id)
+
+
+@contextmanager
+def _turn(places: threading.BoundedSemaphore, one_at_once: threading.Lock) -> Generator[None]:
+    """Lets one replay be made and a few wait.
+
+    Raises:
+        Problem: 503: too many wait already, or the one before takes too long.
+    """
+    detail = "Other replays are being made. Try again in a moment."
+    busy = Problem(503, "Replays are busy", detail, headers={"Retry-After": "5"})
+    if not places.acquire(blocking=False):
+        raise busy
+    try:
         if not one_at_once.acquire(timeout=_PATIENCE):
-            detail = "Other replays are being made. Try again in a moment."
-            raise Problem(503, "Replays are busy", detail, headers={"Retry-After": "5"})
+            raise busy
         try:
-            made = replay(
-                source,
-                ReplayOptions(
-                    start=begin,
-                    stop=end,
-                    mode=mode,
-                    camera=camera,
-                    colour=colour,
-                    scale=scale,
-                    theme=theme,
-                ),
-                bounds,
-            )
+            yield
         finally:
             one_at_once.release()
-        return _attachment(made, run_id)
+    finally:
+        places.release()
 
 
 def _attachment(made: Replay, run_id: str) -> Response:

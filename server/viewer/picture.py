@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from server.viewer.colour_map import ColourBar
-from server.viewer.colouring import SurfaceColours
+from server.viewer.colouring import SurfaceColours, needed
 from server.viewer.kinematics import (
     axle_poses,
     body_poses,
@@ -28,9 +28,10 @@ FORCE_LENGTH = 1.0 / 85e3
 """An arrow of one metre is 85 kN, about the static load of a wheel of the KHST. [m/N]"""
 
 _OVER_THE_SLAB = frozenset({"ballast", "sleepers"})
-_SHAPE_SIZE = 0.5
-_TRAIN_SHAPE_SIZE = 0.3
-"""Greatest displacement of a mode's shape as first drawn. [m]"""
+_SHAPE_SIZE = 1.0
+_TRACK_SHAPE_SIZE = 0.5
+"""Greatest displacement of a mode's shape as first drawn: of a viaduct or a train some twentieth of
+a span or a car, of a track, whose waves are shorter, less. [m]"""
 _SHORTEST = 20.0
 """Where there are no spans, the length that counts for one. [m]"""
 
@@ -105,7 +106,8 @@ class PictureMaker:
             step, frame = 0, _rest(geometry)
             displacement, force = np.zeros(len(wheels.names)), np.full(len(wheels.names), np.inf)
         else:
-            step, frame = index * self._plan.frame_stride, self._source.frame(index)
+            step = index * self._plan.frame_stride
+            frame = self._source.frame(index, motion=needed(colour))
             displacement, force = self._history.at_step(step)
         if self._plan.modal:
             displacement = phase * displacement
@@ -137,7 +139,8 @@ class PictureMaker:
         """A deformation scale at which the stored peak is well seen."""
         geometry = self._plan.geometry
         if self._plan.modal:
-            return _SHAPE_SIZE if len(geometry.vertices) else _TRAIN_SHAPE_SIZE
+            track = len(geometry.vertices) and not len(geometry.spans)
+            return _TRACK_SHAPE_SIZE if track else _SHAPE_SIZE
         lengths = geometry.spans[:, 1] - geometry.spans[:, 0]
         span = float(np.max(lengths)) if len(lengths) else _SHORTEST
         return pleasing_scale(self._colours.greatest_displacement, 0.03 * span)
@@ -153,7 +156,7 @@ class PictureMaker:
         if self._rest is None:
             if self._source.committed_frames == 0:
                 return np.zeros_like(bodies)
-            self._rest = np.array(self._source.frame(0).bodies, dtype=np.float64)
+            self._rest = np.array(self._source.frame(0, motion=()).bodies, dtype=np.float64)
         return bodies - self._rest
 
 

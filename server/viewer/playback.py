@@ -188,6 +188,13 @@ class Player:
             self._camera_asked = self._camera_asked or "camera" in changes
             return self._state
 
+    def resume(self, state: PlaybackState) -> None:
+        """Goes on as another attempt at the same run was shown; the cameras stay."""
+        with self._lock:
+            self._anchor, self._camera_asked = self._clock(), False
+            self._clicks = state.picked.sequence if state.picked else 0
+            self._state = advanced(state, 0.0, self.timeline.last, self.timeline.done)
+
     def pick(self, ray: Ray) -> bool:
         """Takes a click on what is displayed; one that meets nothing changes nothing.
 

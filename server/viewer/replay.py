@@ -181,7 +181,7 @@ def _words(source: FrameSource, stretch: _Stretch, limits: ReplayLimits) -> list
             f"every {_ordinal(stretch.every)} stored shape: {kept} of {stretch.stored}, "
             f"{left} left out to bound this file"
         )
-    if not source.done:
+    if not source.done or source.committed_frames < source.plan.n_frame:
         words.append("the run was not finished")
     return words
 

@@ -33,7 +33,7 @@ def router(
         limits: How much the viewer may take.
         draw: Draws a still, off the event loop and best in another process.
     """
-    sessions = Sessions(limits or ViewerLimits())
+    sessions = Sessions(limits or ViewerLimits(), open_reader)
 
     @asynccontextmanager
     async def lifespan(_: Any) -> AsyncGenerator[None]:

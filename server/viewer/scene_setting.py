@@ -7,9 +7,9 @@ import viser
 
 from server.viewer.palette import Theme, palette
 from server.viewer.scene_part import Nodes, add_batch, as_light, coloured, upright
+from server.viewer.scenery import piers, rigid_rails
 from server.viewer.shapes import unit_box
 from server.viewer.surface import feature_edges
-from solver.arrays import Matrix
 from solver.results import Geometry
 
 __all__ = ["OUTLINED", "add_outline", "add_rigid_rails", "add_supports", "configure", "light"]
@@ -17,9 +17,6 @@ __all__ = ["OUTLINED", "add_outline", "add_rigid_rails", "add_supports", "config
 OUTLINED = ("slab", "beam", "walls", "deck")
 """Layers whose undeformed edges are drawn."""
 
-_PIER_DEPTH = 3.0
-_BEYOND = 10.0
-"""Of the rigid rails over the ends of the train. [m]"""
 _RAIL = (0.072, 0.172)
 """Width of the head and height of a rail 60E1. [m]"""
 
@@ -72,14 +69,10 @@ def add_outline(server: viser.ViserServer, geometry: Geometry, theme: Theme) -> 
 
 def add_supports(server: viser.ViserServer, geometry: Geometry, theme: Theme) -> Nodes | None:
     """Piers, for the eye only, under the ends of the spans."""
-    if not len(geometry.spans) or not len(geometry.vertices):
+    centres, sizes = piers(geometry)
+    n = len(centres)
+    if not n:
         return None
-    ends = np.unique(np.round(geometry.spans, 3))
-    within = _between(geometry.vertices, geometry.spans)
-    top, width = float(within[:, 2].min()), float(np.ptp(within[:, 1]))
-    n = len(ends)
-    centres = np.column_stack((ends, np.zeros(n), np.full(n, top - _PIER_DEPTH / 2 - 0.25)))
-    sizes = np.tile([1.0, max(0.6 * width, 1.0), _PIER_DEPTH], (n, 1))
     colours = coloured(palette(theme).support, n)
     handle = add_batch(server, "/supports", unit_box(), centres, upright(n), colours, sizes)
     return Nodes("supports", handle)
@@ -96,26 +89,14 @@ def add_rigid_rails(
         first_axle: x of the first axle. [m]
         theme: Of the page around the view.
     """
-    wheels = geometry.wheels
-    if not wheels.names:
+    ends = rigid_rails(geometry, first_axle)
+    n = len(ends)
+    if not n:
         return None
-    reach = _BEYOND - float(wheels.offsets.min())
-    pieces = [(first_axle - reach, first_axle + _BEYOND)]
-    if len(geometry.vertices):
-        low, high = (float(end(geometry.vertices[:, 0])) for end in (np.min, np.max))
-        pieces = [(low - reach, low), (high, high + reach)]
     width, height = _RAIL
-    places = [(begin, end, y) for begin, end in pieces for y in np.unique(wheels.lateral)]
-    top = wheels.contact_height - height / 2.0
-    centres = np.array([((begin + end) / 2.0, y, top) for begin, end, y in places])
-    sizes = np.array([(end - begin, width, height) for begin, end, _ in places])
-    n = len(places)
+    centres = ends.mean(axis=1) - np.array([0.0, 0.0, height / 2.0])
+    lengths = ends[:, 1, 0] - ends[:, 0, 0]
+    sizes = np.column_stack((lengths, np.full(n, width), np.full(n, height)))
     colours = coloured(palette(theme).layer("rails"), n)
     handle = add_batch(server, "/rigid-rails", unit_box(), centres, upright(n), colours, sizes)
     return Nodes("rails", handle)
-
-
-def _between(vertices: Matrix, spans: Matrix) -> Matrix:
-    """Vertices on the spans, without embankments."""
-    inside = (vertices[:, 0] >= spans.min() - 1e-6) & (vertices[:, 0] <= spans.max() + 1e-6)
-    return vertices[inside] if inside.any() else vertices

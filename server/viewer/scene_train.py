@@ -22,11 +22,12 @@ from server.viewer.shapes import axle, bogie_frame, carbody, crossed_bars, wheel
 from solver.arrays import Matrix
 from solver.results import Geometry
 
-__all__ = ["BODY_LAYERS", "train_parts"]
+__all__ = ["BODY_LAYERS", "CARBODY_OPACITY", "train_parts"]
 
 BODY_LAYERS = {"bogies": "bogie", "carbodies": "carbody"}
 """Layers of bodies, by the kind that they show."""
 
+CARBODY_OPACITY = 0.38
 _MARK_ABOVE = 1.25
 """Of the mark of a lost contact over the foot of the wheel's arrow. [m]"""
 
@@ -42,7 +43,7 @@ def train_parts(
         parts.append(_Forces(server, first, colours))
     shapes = {
         "bogies": (bogie_frame(), colours.bogie, None),
-        "carbodies": (carbody(), colours.carbody, 0.38),
+        "carbodies": (carbody(), colours.carbody, CARBODY_OPACITY),
     }
     for layer, (shape, colour, opacity) in shapes.items():
         index = [i for i, body in enumerate(geometry.bodies) if body.kind == BODY_LAYERS[layer]]

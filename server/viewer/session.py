@@ -7,19 +7,21 @@ import logging
 import secrets
 import threading
 import time
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 import viser
 
+from server.store.reader import NotStoredError
 from server.viewer.guard import start_server, stop_server
 from server.viewer.palette import Theme
 from server.viewer.picking import Ray
 from server.viewer.playback import PlaybackState, Player
 from server.viewer.source import FrameSource
 
-__all__ = ["Session", "Sessions", "TooManySessionsError", "ViewerLimits"]
+__all__ = ["OpenReader", "Session", "Sessions", "TooManySessionsError", "ViewerLimits"]
 
 _log = logging.getLogger("trainbridge.viewer")
 
@@ -33,12 +35,18 @@ class ViewerLimits:
         streams: That play at once.
         idle: A session without clients ends after this time. [s]
         frame_rate: Most pictures sent in a second. [Hz]
+        patience: A run that has stored nothing new for this time may have a new attempt. [s]
     """
 
     sessions: int = 20
     streams: int = 5
     idle: float = 60.0
     frame_rate: float = 15.0
+    patience: float = 3.0
+
+
+OpenReader: TypeAlias = Callable[[str], FrameSource]
+"""Opens the newest attempt at a run by the run's id."""
 
 
 class TooManySessionsError(Exception):
@@ -57,9 +65,20 @@ class Session:
         port: Viser's loopback port, shut to everyone but the proxy.
     """
 
-    def __init__(self, run: str, source: FrameSource, theme: Theme, limits: ViewerLimits) -> None:
+    def __init__(
+        self,
+        run: str,
+        source: FrameSource,
+        theme: Theme,
+        limits: ViewerLimits,
+        newest: OpenReader | None = None,
+        forget: Callable[[str], None] | None = None,
+    ) -> None:
         self.id = secrets.token_hex(16)
         self.run = run
+        self._source = source
+        self._newest, self._forget = newest, forget
+        self._looked, self._committed = time.monotonic(), source.committed
         self._limits = limits
         self._server = start_server()
         self.port = self._server.get_port()
@@ -90,6 +109,11 @@ class Session:
     def clients(self) -> int:
         """Browsers that watch now."""
         return self._clients
+
+    @property
+    def watched_until(self) -> float:
+        """When its last client left, or it was opened."""
+        return self._watched
 
     @property
     def ended(self) -> bool:
@@ -154,7 +178,7 @@ class Session:
         with self._drawing:
             before = self._player
             self._player = Player(self._server, source, before.state.theme, before)
-            self.run = run
+            self.run, self._source = run, source
         self._wake.set()
 
     @contextlib.contextmanager
@@ -193,15 +217,48 @@ class Session:
                 begun = time.monotonic()
                 if self._clients:
                     with self._drawing:
-                        self._player.draw()
+                        self._draw()
                 elif begun - self._watched > self._limits.idle:
                     break
                 self._rest(begun)
+        except NotStoredError as error:
+            _log.info("the 3D view of run %s ended: %s", self.run, error)
         except Exception:
             _log.exception("the 3D view of run %s ended", self.run)
         finally:
             self._closing.set()
             stop_server(self._server)
+            if self._forget is not None:
+                self._forget(self.id)
+
+    def _draw(self) -> None:
+        """Shows the state now, of the newest attempt where the one before has stopped."""
+        now = time.monotonic()
+        if now - self._looked > self._limits.patience and not self._player.timeline.done:
+            committed = self._source.committed
+            if committed == self._committed:
+                self._go_on()
+            self._looked, self._committed = now, committed
+        try:
+            self._player.draw()
+        except NotStoredError:
+            if not self._go_on():
+                raise
+
+    def _go_on(self) -> bool:
+        """Shows another attempt at the run as this one was shown; says whether there is one."""
+        try:
+            source = self._newest(self.run) if self._newest else self._source
+        except Exception as error:
+            # Neither a database that is away for a moment nor a deleted run is the view's fault.
+            _log.info("the 3D view of run %s cannot look for news: %s", self.run, error)
+            return False
+        if source.identity == self._source.identity:
+            return False
+        before, self._source = self._player, source
+        self._player = Player(self._server, source, before.state.theme, before)
+        self._player.resume(before.state)
+        return True
 
     def _rest(self, begun: float) -> None:
         """Waits for the next picture's turn, and longer while nothing moves."""
@@ -215,10 +272,12 @@ class Session:
 class Sessions:
     """All viewing sessions of the process; safe to use from several threads."""
 
-    def __init__(self, limits: ViewerLimits) -> None:
+    def __init__(self, limits: ViewerLimits, newest: OpenReader | None = None) -> None:
         self._limits = limits
+        self._newest = newest
         self._lock = threading.Lock()
         self._open: dict[str, Session] = {}
+        self._opening = 0
 
     def open(self, run: str, source: FrameSource, theme: Theme) -> Session:
         """Opens a session; the longest unwatched one makes room where all are taken.
@@ -226,18 +285,17 @@ class Sessions:
         Raises:
             TooManySessionsError: All are watched.
         """
-        with self._lock:
-            self._forget_ended()
-            spare = next((held for held in self._open.values() if not held.clients), None)
-            full = len(self._open) >= self._limits.sessions
-            if full and spare is None:
-                raise TooManySessionsError(f"{len(self._open)} views are open")
-            if full and spare is not None:
-                del self._open[spare.id]
-            session = Session(run, source, theme, self._limits)
-            self._open[session.id] = session
-        if full and spare is not None:
+        spare = self._make_room()
+        if spare is not None:
             spare.close()
+        try:
+            # Not under the lock: a large run takes a second, and others want to play meanwhile.
+            session = Session(run, source, theme, self._limits, self._newest, self._forget)
+            with self._lock:
+                self._open[session.id] = session
+        finally:
+            with self._lock:
+                self._opening -= 1
         return session
 
     def get(self, session_id: str) -> Session | None:
@@ -283,6 +341,20 @@ class Sessions:
             self._forget_ended()
             return len(self._open)
 
+    def _make_room(self) -> Session | None:
+        """Counts a session that is about to open; gives the one that has to end for it, if any."""
+        with self._lock:
+            self._forget_ended()
+            spare = None
+            if len(self._open) + self._opening >= self._limits.sessions:
+                unwatched = [held for held in self._open.values() if not held.clients]
+                if not unwatched:
+                    raise TooManySessionsError(f"{len(self._open)} views are open")
+                spare = min(unwatched, key=lambda held: held.watched_until)
+                del self._open[spare.id]
+            self._opening += 1
+            return spare
+
     def _make_way(self, session: Session) -> None:
         """Pauses those that have played longest, unwatched ones first."""
         most = self._limits.streams
@@ -293,6 +365,11 @@ class Sessions:
                 f"Paused, because another 3D view began to play: at most {most} play at once. "
                 "Press play to go on here."
             )
+
+    def _forget(self, session_id: str) -> None:
+        """Lets a session that has ended by itself go, and with it the histories it has read."""
+        with self._lock:
+            self._open.pop(session_id, None)
 
     def _forget_ended(self) -> None:
         self._open = {key: held for key, held in self._open.items() if not held.ended}

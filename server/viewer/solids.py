@@ -10,6 +10,8 @@ from server.viewer.picking import displayed_surfaces
 from server.viewer.picture import Picture
 from server.viewer.raster import Lines, Mesh, section_lines
 from server.viewer.scene_setting import OUTLINED
+from server.viewer.scene_train import CARBODY_OPACITY
+from server.viewer.scenery import piers, rigid_rails
 from server.viewer.shapes import Solid, axle, bogie_frame, carbody, unit_box, wheel
 from server.viewer.surface import feature_edges
 from solver.arrays import FloatArray, Matrix, Vector
@@ -21,10 +23,6 @@ _SHRUNK = np.array([1.0, 0.995, 1.0])
 """The ballast touches the walls, and would flicker through them."""
 _COLOURED_RELIEF = 0.5
 """Coloured surfaces are hardly shaded, so that their colours are those of the bar."""
-_RAILS_BEYOND = 60.0
-"""Rigid rails end this far beyond the train. [m]"""
-_CARBODY_OPACITY = 0.38
-_PIER_DEPTH = 3.0
 _CROSS_ABOVE, _CROSS_HALF = 0.45, 0.22
 """Height over the wheel's foot and half the size of the mark of a lost contact. [m]"""
 _ARROW_HEAD = 0.16
@@ -90,16 +88,7 @@ def _surfaces(geometry: Geometry, picture: Picture, paints: Palette) -> list[Mes
 
 
 def _piers(geometry: Geometry, paints: Palette) -> list[Mesh]:
-    """For the eye only, under the ends of the spans."""
-    if not len(geometry.spans) or not len(geometry.vertices):
-        return []
-    ends = np.unique(np.round(geometry.spans, 3))
-    along = geometry.vertices[:, 0]
-    within = geometry.vertices[(along >= ends[0] - 1e-6) & (along <= ends[-1] + 1e-6)]
-    width = max(0.6 * float(np.ptp(within[:, 1])), 1.0)
-    middle = float(within[:, 2].min()) - _PIER_DEPTH / 2.0 - 0.25
-    centres = np.column_stack((ends, np.zeros(len(ends)), np.full(len(ends), middle)))
-    sizes = np.tile([1.0, width, _PIER_DEPTH], (len(ends), 1))
+    centres, sizes = piers(geometry)
     return [_plain(_placed(unit_box(), centres, None, sizes), paints.support)]
 
 
@@ -125,7 +114,7 @@ def _bodies(geometry: Geometry, picture: Picture, paints: Palette) -> list[Mesh]
     meshes: list[Mesh] = []
     for kind, solid, colour, opacity in (
         ("bogie", bogie_frame(), paints.bogie, 1.0),
-        ("carbody", carbody(), paints.carbody, _CARBODY_OPACITY),
+        ("carbody", carbody(), paints.carbody, CARBODY_OPACITY),
     ):
         index = [i for i, body in enumerate(geometry.bodies) if body.kind == kind]
         if index:
@@ -157,18 +146,8 @@ def _rotations(quaternions: Matrix) -> FloatArray:
 
 
 def _rigid_rails(geometry: Geometry, picture: Picture, paints: Palette) -> list[Lines]:
-    """Rails before and behind what is modelled, or below a train that stands alone."""
-    wheels, along = geometry.wheels, geometry.vertices[:, 0]
-    if not wheels.names:
-        return []
-    low, high = picture.first_axle + float(wheels.offsets.min()), picture.first_axle
-    pieces = [(low - _RAILS_BEYOND, high + _RAILS_BEYOND)]
-    if len(along):
-        begin, end = float(along.min()), float(along.max())
-        pieces = [(min(low, begin) - _RAILS_BEYOND, begin), (end, max(high, end) + _RAILS_BEYOND)]
-    z = wheels.contact_height
-    ends = [[(a, y, z), (b, y, z)] for a, b in pieces for y in np.unique(wheels.lateral)]
-    return [Lines(ends=np.array(ends), colour=_paint(paints.layer("rails")), width=1.6)]
+    ends = rigid_rails(geometry, picture.first_axle)
+    return [Lines(ends=ends, colour=_paint(paints.layer("rails")), width=1.6)]
 
 
 def _forces(picture: Picture, paints: Palette) -> list[Lines]:

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
+from server.store.reader import Motion, RunReader
 from solver.arrays import Matrix, Vector
 from solver.results import Frame, RunPlan, SlabPeaks
 
-__all__ = ["FrameSource", "WheelHistory"]
+__all__ = ["FrameSource", "StoppedRun", "WheelHistory"]
 
 
 class FrameSource(Protocol):
     """Committed samples and frames of one run, finished or still running."""
+
+    @property
+    def identity(self) -> str:
+        """Differs between attempts at a run."""
+        ...
 
     @property
     def plan(self) -> RunPlan:
@@ -42,8 +48,8 @@ class FrameSource(Protocol):
         """Once the run has ended; names the modes of a modal one."""
         ...
 
-    def frame(self, index: int) -> Frame:
-        """Displaced state of one frame."""
+    def frame(self, index: int, *, motion: Collection[Motion] = ...) -> Frame:
+        """Displaced state of one frame, with those of velocity and acceleration that are asked."""
         ...
 
     def channel_rows(self, names: Sequence[str], start: int, stop: int) -> Matrix:
@@ -53,6 +59,20 @@ class FrameSource(Protocol):
     def slab_peaks(self) -> SlabPeaks | None:
         """Greatest |acceleration| of every slab point, once the run has ended."""
         ...
+
+
+class StoppedRun(RunReader):
+    """What a run left that failed, was cancelled or ran out of time: no more will come."""
+
+    @property
+    def identity(self) -> str:
+        """Not that of the same attempt while it computed."""
+        return f"{super().identity} stopped"
+
+    @property
+    def done(self) -> bool:
+        """Always."""
+        return True
 
 
 class WheelHistory:

@@ -30,6 +30,7 @@ class Timeline:
         self._source = source
         self.interval = source.plan.frame_stride * source.plan.time_step
         self.modal = source.plan.modal
+        self._done = False
 
     @property
     def last(self) -> float:
@@ -45,8 +46,9 @@ class Timeline:
 
     @property
     def done(self) -> bool:
-        """Whether no more frames will come."""
-        return self._source.done
+        """Whether no more frames will come; asked of the store until they do not."""
+        self._done = self._done or self._source.done
+        return self._done
 
     @property
     def modes(self) -> int:

@@ -47,7 +47,7 @@ def train_modes(study: Study, report: StageListener) -> PartModes:
     frequencies, shapes = _modes(train, spring, study.modes.count)
     supported = train.stiffness + (spring or 0.0) * train.wheel_rows.T @ train.wheel_rows
     drawn = drawn_bodies(train)
-    contact = "rigid contact" if spring is None else f"contact springs of {spring:.4g} N/m"
+    contact = "rigid contact" if spring is None else f"contact springs of {1e-6 * spring:.4g} MN/m"
     return PartModes(
         frequencies=frequencies,
         damping=rayleigh_damping_ratios(

@@ -1,5 +1,6 @@
 // @ts-check
 /** What each axle of a train weighs, from lever arms. Pure. */
+import { sharesBack } from "./layout.js";
 
 /** @typedef {{ front: number, back: number }} Ends share of a carbody on its front and back bogie [1] */
 
@@ -47,14 +48,6 @@ function endsOf(car, leading, orientation) {
   const length = car.leading_distance + car.trailing_distance;
   const onLeading = car.trailing_distance / length;
   return leading !== inwards ? { front: onLeading, back: 1 - onLeading } : { front: 1 - onLeading, back: onLeading };
-}
-
-/**
- * @param {any} car
- * @param {boolean} leading
- */
-function sharesBack(car, leading) {
-  return car.articulation === "both_ends" || (car.articulation === "trailing_end" && leading);
 }
 
 /**

@@ -4,6 +4,10 @@
 /** @typedef {import("./types.js").Figure} Figure */
 /** @typedef {{ dark: boolean, ink: string, soft: string, line: string, paper: string, type: string }} Theme */
 
+/** Height of the legend over a callout, as a part of the axes' height; over one line, or in a tall chart. */
+const ABOVE_CALLOUT = 1.24;
+const ABOVE_WORD = 1.1;
+
 /** On a dark ground the deep tones of the palette turn into their light neighbours. */
 const DARK = new Map([
   ["#0072B2", "#58B5F0"],
@@ -36,6 +40,7 @@ export function themed(figure, theme, narrow) {
     fixedrange: false,
   };
   const { title: _, ...layout } = source.layout;
+  const upwards = layout.annotations.some((/** @type {any} */ note) => note.showarrow && note.ay < 0);
   return {
     data: narrow ? source.data.map(shortened) : source.data,
     layout: {
@@ -45,7 +50,8 @@ export function themed(figure, theme, narrow) {
       plot_bgcolor: "rgba(0,0,0,0)",
       font: { family: theme.type, color: theme.soft, size: 12 },
       margin: narrow ? { l: 46, r: 10, t: 8, b: 40 } : { l: 62, r: 18, t: 8, b: 42 },
-      legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 12 } },
+      // A callout above its peak stands between the curves and the legend.
+      legend: { orientation: "h", x: 0, y: upwards ? (narrow || layout.yaxis2 ? ABOVE_WORD : ABOVE_CALLOUT) : 1.02, yanchor: "bottom", font: { size: 12 } },
       hoverlabel: { bgcolor: theme.paper, bordercolor: theme.line, font: { color: theme.ink } },
       ...axes(layout, axis),
       annotations: layout.annotations.map((/** @type {any} */ note) => placed(note, theme, narrow)),
@@ -76,7 +82,8 @@ function shortened(curve) {
 }
 
 /**
- * Words on the page's paper; a narrow chart has room for a callout's value, not for its place.
+ * Words on the page's paper; a narrow chart has room for a callout's value, not for its place, and
+ * for the name of a part, not for a remark on it.
  *
  * @param {any} note
  * @param {Theme} theme
@@ -84,7 +91,8 @@ function shortened(curve) {
  */
 function placed(note, theme, narrow) {
   const colored = note.bgcolor ? { ...note, bgcolor: theme.paper, borderpad: 3 } : note;
-  if (!narrow || !note.showarrow) return colored;
+  if (!narrow) return colored;
+  if (!note.showarrow) return { ...colored, text: note.text.split(": ")[0] };
   return { ...colored, text: note.text.split("<br>")[0], ax: note.ax / 2 };
 }
 

@@ -1,11 +1,10 @@
 // @ts-check
 /** Changes that outlive the page, in the browser's storage; the oldest give way. */
 
-/** @typedef {import("./types.js").Study} Study */
-/** @typedef {{ study: Study, saved: number }} Draft when it was kept [ms] */
+/** @typedef {{ value: any, saved: number }} Draft a study or an entry of the library, and when it was kept [ms] */
 
 const KEY = "trainbridge.drafts";
-/** Studies that are kept at most. */
+/** Drafts that are kept at most. */
 const MOST = 12;
 /** Room for all of them together; browsers grant about five million. [characters] */
 const ROOM = 1_000_000;
@@ -17,7 +16,7 @@ export class Drafts {
   }
 
   /**
-   * @param {string} source where the study came from
+   * @param {string} source where it came from: a template, a job, an entry of the library
    * @returns {Draft | null}
    */
   get(source) {
@@ -43,7 +42,7 @@ export class Drafts {
   #all() {
     try {
       const stored = JSON.parse(this.storage().getItem(KEY) ?? "[]");
-      return Array.isArray(stored) ? stored.filter((item) => Array.isArray(item) && item[1]?.study) : [];
+      return Array.isArray(stored) ? stored.filter((item) => Array.isArray(item) && item[1]?.value) : [];
     } catch {
       return [];
     }

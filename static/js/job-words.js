@@ -61,3 +61,28 @@ export function namedField(detail) {
   const name = /^([a-z_]\w*(?:[.[][\w\]]+)*) = /.exec(detail)?.[1];
   return name ? `/${name.replace(/\]/g, "").split(/[.[]/).join("/")}` : "";
 }
+
+/** Whether a job or a run still waits or computes. @param {Pick<Job, "state">} job */
+export const isActive = ({ state }) => state === "queued" || state === "running";
+
+/** How many runs of a job have ended. @param {Pick<Job, "runs"> | null} job */
+export const endedRuns = (job) => job?.runs.filter((run) => !isActive(run)).length;
+
+/** What the browser's tab says. @param {Pick<Job, "state" | "name" | "progress">} job */
+export function tabTitle({ state, name, progress }) {
+  const percent = Math.floor((progress?.fraction ?? 0) * 100);
+  return `${state === "running" && percent ? `${percent} % · ` : ""}${name} · Trainbridge`;
+}
+
+/**
+ * The run that is shown: the chosen one, else the proposed one, else the first that has begun.
+ *
+ * @param {Job["runs"]} runs
+ * @param {string} chosen id, which may be of another job
+ * @param {string} proposed id
+ * @returns {string} id; empty where there is no run
+ */
+export function shownRun(runs, chosen, proposed) {
+  const named = (/** @type {string} */ id) => runs.find((run) => run.id === id);
+  return (named(chosen) ?? named(proposed) ?? runs.find(({ progress }) => progress?.step) ?? runs[0])?.id ?? "";
+}

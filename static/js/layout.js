@@ -144,13 +144,13 @@ function carsOf(train) {
     const first = bogies[bogies.length - 1];
     const second = first - type.leading_distance - type.trailing_distance;
     bogies.push(second);
-    const sharesBack = type.articulation === "both_ends" || (type.articulation === "trailing_end" && leading);
+    const both = sharesBack(type, leading);
     cars.push({
       front: first + (shared ? -GAP : index ? half - GAP : OVERHANG),
-      back: second - (sharesBack ? -GAP : index + 1 < consist.length ? half - GAP : OVERHANG),
+      back: second - (both ? -GAP : index + 1 < consist.length ? half - GAP : OVERHANG),
       power: type.articulation === "none",
     });
-    shared = sharesBack;
+    shared = both;
   });
   const wheel = (consist[0].wheelbase ?? 3) / 2;
   const axles = bogies.flatMap((bogie) => [bogie + wheel, bogie - wheel]);
@@ -159,4 +159,14 @@ function carsOf(train) {
     cars: cars.map((car) => ({ ...car, front: car.front + move, back: car.back + move })),
     axles: axles.map((axle) => axle + move),
   };
+}
+
+/**
+ * Whether a car stands on one bogie with the car behind it.
+ *
+ * @param {any} car
+ * @param {boolean} leading whether it is in the first half of the train
+ */
+export function sharesBack(car, leading) {
+  return car.articulation === "both_ends" || (car.articulation === "trailing_end" && leading);
 }

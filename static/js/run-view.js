@@ -5,7 +5,7 @@
  * Whoever changes something says so here; everyone else hears `change` with what is new. The time
  * moves too often for that: it has its own cursor. The address follows both.
  */
-import { remember } from "./router.js";
+import { AddressWriter } from "./address-writer.js";
 import { TimeCursor } from "./time-cursor.js";
 import { addressOf, lookOf } from "./view-address.js";
 
@@ -17,6 +17,7 @@ export class RunView extends EventTarget {
   slabLevel = 0;
   /** @type {Look} */
   #look;
+  #address = new AddressWriter();
 
   /** @param {URLSearchParams} query of the address */
   constructor(query) {
@@ -26,6 +27,11 @@ export class RunView extends EventTarget {
       const { reason, time } = /** @type {CustomEvent} */ (event).detail;
       if (reason === "seek" || reason === "pause") this.set({ time });
     });
+  }
+
+  /** From now on the address is another page's. */
+  close() {
+    this.#address.close();
   }
 
   /** @returns {Readonly<Look>} */
@@ -40,7 +46,7 @@ export class RunView extends EventTarget {
    */
   set(change) {
     this.#look = { ...this.#look, ...change };
-    for (const [key, value] of Object.entries(addressOf(change))) remember(key, value);
+    this.#address.write(addressOf(change));
     this.dispatchEvent(new CustomEvent("change", { detail: change }));
   }
 

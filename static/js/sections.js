@@ -7,9 +7,10 @@
 import { words } from "./titles.js";
 
 /** @typedef {import("./form-plan.js").Node} Node */
-/** @typedef {{ name: string, title: string, parts: string[] }} Section parts are pointers, in order */
+/** @typedef {{ name: string, title: string, parts: string[] }} Place parts are pointers, in order */
+/** @typedef {Place & { read: boolean }} Section read: whether the job that is asked for looks at it */
 
-/** @type {Section[]} */
+/** @type {Place[]} */
 const SECTIONS = [
   { name: "viaduct", title: "Viaduct", parts: ["/viaduct", "/mesh_level"] },
   { name: "train", title: "Train", parts: ["/train"] },
@@ -26,6 +27,16 @@ const SECTIONS = [
 const ELSEWHERE = ["/name", "/schema_version"];
 /** What only one kind of job reads. @type {Record<string, string>} */
 const ONLY = { modes: "modes" };
+/** How fine the model is goes with what is asked for: a modal analysis may have no viaduct. */
+const FINENESS = "/mesh_level";
+/** What a modal analysis of each part reads, beside `modes`. @type {Record<string, string[]>} */
+const MODAL = {
+  viaduct: ["viaduct", "track"],
+  track: ["track"],
+  train: ["train", "contact"],
+};
+/** The input that decides which sections are read. */
+export const DECIDES = "/modes/part";
 
 /** What most people change, beside the choice of a kind. Smaller sections are all basic. */
 const BASIC = new Set([
@@ -39,21 +50,50 @@ const BASIC = new Set([
 const SMALL = 5;
 
 /**
- * The sections of a study.
+ * The sections of a study; what the job does not read comes last.
  *
  * @param {string[]} keys properties of the study's schema
  * @param {string} kind of the job
+ * @param {string} [part] whose modes are asked for
  * @returns {Section[]}
  */
-export function sectionsOf(keys, kind) {
+export function sectionsOf(keys, kind, part = "") {
   const pointers = keys.map((key) => `/${key}`);
-  const placed = new Set([...SECTIONS.flatMap((section) => section.parts), ...ELSEWHERE]);
-  const own = SECTIONS.map((section) => ({ ...section, parts: section.parts.filter((part) => pointers.includes(part)) }));
+  const places = kind === "modes" ? SECTIONS.map((place) => modal(place, part)) : SECTIONS;
+  const placed = new Set([...places.flatMap((place) => place.parts), ...ELSEWHERE]);
+  const own = places.map((place) => ({ ...place, parts: place.parts.filter((pointer) => pointers.includes(pointer)) }));
   const rest = pointers
     .filter((pointer) => !placed.has(pointer))
     .map((pointer) => ({ name: pointer.slice(1), title: words(pointer.slice(1)), parts: [pointer] }));
   const shown = [...own, ...rest].filter(({ name, parts }) => parts.length && (!ONLY[name] || ONLY[name] === kind));
-  return kind === "modes" ? [...shown.filter(({ name }) => name === "modes"), ...shown.filter(({ name }) => name !== "modes")] : shown;
+  const all = shown.map((place) => ({ ...place, read: reads(place.name, kind, part) }));
+  const rank = (/** @type {Section} */ { name, read }) => (ONLY[name] ? 0 : read ? 1 : 2);
+  return all.toSorted((one, other) => rank(one) - rank(other));
+}
+
+/**
+ * Whether a job looks at a section. What nobody placed may matter.
+ *
+ * @param {string} name
+ * @param {string} kind
+ * @param {string} part
+ */
+function reads(name, kind, part) {
+  if (kind !== "modes" || ONLY[name] || !SECTIONS.some((place) => place.name === name)) return true;
+  return MODAL[part]?.includes(name) ?? true;
+}
+
+/**
+ * A section as a modal analysis has it: the mesh stands beside the number of modes.
+ *
+ * @param {Place} place
+ * @param {string} part
+ * @returns {Place}
+ */
+function modal(place, part) {
+  if (part === "train") return place;
+  const parts = place.parts.filter((pointer) => pointer !== FINENESS);
+  return { ...place, parts: place.name === ONLY.modes ? [...parts, FINENESS] : parts };
 }
 
 /**

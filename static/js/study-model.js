@@ -32,10 +32,10 @@ export class StudyModel extends EventTarget {
     this.drafts = drafts;
     const draft = drafts.get(origin.source);
     /** When the draft was kept that this began with. [ms] @type {number | null} */
-    this.resumed = draft && !same(this.#whole(draft.study), this.original) ? draft.saved : null;
+    this.resumed = draft && !same(this.#whole(draft.value), this.original) ? draft.saved : null;
     /** @type {History<Study>} */
     this.history = new History(this.original);
-    if (draft && this.resumed !== null) this.history.push(this.#whole(draft.study), "", 0);
+    if (draft && this.resumed !== null) this.history.push(this.#whole(draft.value), "", 0);
   }
 
   get study() {
@@ -64,8 +64,9 @@ export class StudyModel extends EventTarget {
    * @param {Way} way
    */
   replace(study, way) {
-    if (same(study, this.study)) return;
-    this.#keep(this.#whole(study), way, way);
+    const whole = this.#whole(study);
+    if (same(whole, this.study)) this.#tell(way); // what was broken meanwhile is whole again
+    else this.#keep(whole, way, way);
   }
 
   /** Back to where it came from, as a step that can be undone. */
@@ -108,7 +109,7 @@ export class StudyModel extends EventTarget {
   /** @param {Way} way */
   #tell(way) {
     const changed = !same(this.study, this.original);
-    this.drafts.keep(this.source, changed ? { study: this.study, saved: Date.now() } : null);
+    this.drafts.keep(this.source, changed ? { value: this.study, saved: Date.now() } : null);
     this.dispatchEvent(new CustomEvent("change", { detail: { way } }));
   }
 }

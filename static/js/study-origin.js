@@ -48,7 +48,7 @@ async function fromJob(id) {
  * What an alternative holds when it is chosen: as the study came, else as a template has it where
  * the solver's defaults alone are not a whole part, else the defaults.
  *
- * @param {Beginning} beginning
+ * @param {Pick<Beginning, "study" | "examples">} beginning
  * @param {string} pointer
  * @param {import("./form-plan.js").Option} option
  */

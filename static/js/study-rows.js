@@ -34,9 +34,9 @@ export function studySections(study, kind, template, document) {
   const changed = other ? differences(other, whole) : [];
   const fields = fieldsUnder(schema, whole, "", document).filter(({ pointer }) => pointer !== "/schema_version");
   const row = (/** @type {Field} */ field) => rowOf(field, whole, other, changed);
-  return sectionsOf(Object.keys(schema.properties), kind)
-    .map(({ title, parts }) => ({
-      title,
+  return sectionsOf(Object.keys(schema.properties), kind, whole.modes?.part)
+    .map(({ title, parts, read }) => ({
+      title: read ? title : `${title}, not used here`,
       groups: grouped(
         fields.filter(({ pointer }) => parts.some((part) => pointer === part || pointer.startsWith(`${part}/`))),
         whole,

@@ -7,7 +7,7 @@
 import { api } from "./api.js";
 
 /** @typedef {import("./types.js").ViewerState} ViewerState */
-/** @typedef {Partial<Pick<ViewerState, "time" | "playing" | "rate" | "scale" | "layers" | "camera" | "theme" | "colour" | "smooth" | "mode" | "run">>} Steering */
+/** @typedef {Partial<Pick<ViewerState, "time" | "playing" | "rate" | "scale" | "layers" | "camera" | "theme" | "colour" | "smooth" | "mode" | "run">> & { place?: [number, number, number] | null }} Steering */
 
 /** Steering at most this often; the latest value wins. [ms] */
 const PACE = 60;

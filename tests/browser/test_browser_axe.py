@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.browser.recorded import SILENT_STREAM, job_address, play
+from tests.browser.recorded import SILENT_STREAM, answer, job_address, play
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
 pytest.importorskip("axe_playwright_python", reason="pip install axe-playwright-python")
@@ -35,6 +35,7 @@ PAGES = {
     "jobs": "/#/jobs",
     "study-khst": "/#/study/khst-alverca",
     "study-beam": "/#/study/sprung-mass-beam",
+    "study-modes": "/#/study/train-modes",
     "study-of-a-job": "/#/study?job=jobDone",
     "compare-empty": "/#/compare",
     "compare": "/#/compare?runs=runDone,runSweep",
@@ -150,6 +151,24 @@ def test_a_telephone_never_scrolls_sideways(
 
     _every_view(page, name, look)
     found.extend(violations(page))
+    assert found == [], "\n".join(found)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_editing_an_entry_of_the_library_is_as_good(
+    new_page: Callable[..., Any], picture: Callable[[Any, str], None], scheme: str
+) -> None:
+    page = new_page(viewport=NARROW, color_scheme=scheme)
+    own = {**answer("library-item"), "built_in": False}
+    play(page, changes={"/library/trains/khst": own})
+    page.goto("/#/library/trains/khst?edit=1")
+    _settle(page)
+    found = violations(page)
+    page.locator(".segments label", has_text="JSON").click()
+    page.locator("#study-json").wait_for()
+    picture(page, f"library-edit-json-{scheme}")
+    found += violations(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= NARROW["width"]
     assert found == [], "\n".join(found)
 
 

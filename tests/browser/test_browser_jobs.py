@@ -129,7 +129,7 @@ def test_each_run_of_a_sweep_can_be_shown_and_the_viewing_session_stays(
 ) -> None:
     _, job = _submitted(page, server, "sprung-mass-beam", sweep={"speeds": [25.0, 30.0]})
     page.goto(f"/#/jobs/{job}")
-    page.locator(".tag.done").wait_for(timeout=DONE_MS)
+    page.locator("tb-job-head .tag.done").wait_for(timeout=DONE_MS)
     page.get_by_text("2 speeds, 90 to 108 km/h", exact=False).first.wait_for()
     view = page.locator("tb-viewer-frame")
     page.locator("tb-viewer-frame[data-session]").wait_for(timeout=DONE_MS)
@@ -150,7 +150,7 @@ def test_a_point_of_the_sweep_opens_its_run(
 ) -> None:
     _, job = _submitted(page, server, "sprung-mass-beam", sweep={"speeds": [25.0, 30.0]})
     page.goto(f"/#/jobs/{job}?tab=sweep")
-    page.locator(".tag.done").wait_for(timeout=DONE_MS)
+    page.locator("tb-job-head .tag.done").wait_for(timeout=DONE_MS)
     chart = page.locator("tb-chart[data-figure=speed-sweep]")
     chart.locator(".scatterlayer .point").first.wait_for()
     point = chart.locator(".scatterlayer .trace").first.locator(".point").last

@@ -85,6 +85,73 @@ def test_what_the_server_refuses_is_shown_at_its_field(page: Any, server: str) -
     page.get_by_text("1.55 m").first.wait_for()
 
 
+def _copy(page: Any, server: str, kind: str, entry: str) -> str:
+    """A copy of an entry that can be changed; gives its address."""
+    built_in = page.request.get(f"{server}/api/v1/library/{kind}/{entry}").json()
+    body = {"name": "Mine", "value": built_in["value"]}
+    made = page.request.post(f"{server}/api/v1/library/{kind}", data=body).json()
+    return f"/#/library/{kind}/{made['id']}"
+
+
+def test_what_was_not_saved_waits(page: Any, server: str) -> None:
+    address = _copy(page, server, "irregularities", "isolated-10mm")
+    page.goto(f"{address}?edit=1")
+    page.get_by_label("Name", exact=True).fill("Half done")
+    page.get_by_label("Amplitude A").fill("8")
+    page.get_by_role("link", name="Jobs", exact=True).click()
+    page.get_by_role("heading", name="Jobs", exact=True).wait_for()
+    page.goto(address)
+    page.get_by_text("Changes of this entry wait to be saved.", exact=False).wait_for()
+    page.get_by_role("button", name="Go on editing").click()
+    expect(page.get_by_label("Name", exact=True)).to_have_value("Half done")
+    expect(page.get_by_label("Amplitude A")).to_have_value("8")
+    page.get_by_role("img", name="8 mm high").wait_for()
+    page.get_by_role("button", name="Begin again from what is saved").click()
+    expect(page.get_by_label("Amplitude A")).to_have_value("10")
+    page.get_by_role("img", name="10 mm high").wait_for()
+    page.get_by_label("Amplitude A").fill("9")
+    page.get_by_role("button", name="Save").click()
+    page.get_by_text("9 mm").first.wait_for()
+    expect(page.get_by_text("wait to be saved", exact=False)).to_have_count(0)
+
+
+def test_an_entry_is_edited_as_json(
+    page: Any, server: str, picture: Callable[[Any, str], None]
+) -> None:
+    page.goto(f"{_copy(page, server, 'viaducts', 'alverca')}?edit=1")
+    page.get_by_label("Slab width").fill("7.4")
+    page.get_by_role("radio", name="JSON").check(force=True)
+    text = page.get_by_label("The viaduct as JSON, all values in SI units")
+    viaduct = json.loads(text.input_value())
+    assert viaduct["slab_width"] == pytest.approx(7.4)
+    text.fill("{")
+    page.get_by_role("button", name="Save").click()
+    expect(text).to_be_focused()  # Nothing was sent.
+    wrong = json.dumps({**viaduct, "web_position": 3.0}, indent=2)
+    line = 1 + [row.strip(" ,") for row in wrong.split("\n")].index('"web_position": 3.0')
+    text.fill(wrong)
+    page.get_by_role("button", name="Save").click()
+    page.get_by_role("button", name=f"Line {line}", exact=True).wait_for()
+    picture(page, "library-json")
+    text.fill(json.dumps({**viaduct, "slab_width": 7.6}))
+    page.get_by_role("img", name="Cross-section: deck 7.6 m wide").wait_for()
+    page.get_by_role("radio", name="Form").check(force=True)
+    expect(page.get_by_label("Slab width")).to_have_value("7.6")
+    page.get_by_role("button", name="Save").click()
+    page.get_by_text("7.6 m").first.wait_for()
+
+
+def test_another_kind_keeps_the_focus(page: Any, server: str) -> None:
+    page.goto(f"{_copy(page, server, 'irregularities', 'isolated-10mm')}?edit=1")
+    page.get_by_label("Isolated defect").focus()
+    page.keyboard.press("ArrowUp")
+    page.get_by_text("Perfect rails").wait_for()
+    expect(page.get_by_label("None")).to_be_focused()
+    page.keyboard.press("ArrowDown")
+    expect(page.get_by_label("Isolated defect")).to_be_focused()
+    expect(page.get_by_label("Amplitude A")).to_have_value("10")  # As it is saved.
+
+
 def test_entries_travel_as_json(page: Any, server: str) -> None:
     page.goto("/#/library/trains")
     with page.expect_download() as download:

@@ -31,7 +31,7 @@ def test_one_click_runs_the_beam_and_draws_its_histories(
 ) -> None:
     page.add_init_script(WATCH_POLICY)
     _run(page, BEAM)
-    page.locator(".tag.done").wait_for(timeout=DONE_MS)
+    page.locator("tb-job-head .tag.done").wait_for(timeout=DONE_MS)
     page.get_by_text("Not judged", exact=False).first.wait_for()
     for figure in ("slab-acceleration", "contact-force", "displacement"):
         chart = page.locator(f"tb-chart[data-figure={figure}]")
@@ -46,7 +46,7 @@ def test_one_click_runs_the_beam_and_draws_its_histories(
 
 def test_figures_and_channels_can_be_fetched_from_their_links(page: Any, server: str) -> None:
     _run(page, BEAM)
-    page.locator(".tag.done").wait_for(timeout=DONE_MS)
+    page.locator("tb-job-head .tag.done").wait_for(timeout=DONE_MS)
     chart = page.locator("tb-chart[data-figure=displacement]")
     for text, magic in (("PNG", b"\x89PNG"), ("SVG", b"<?xml"), ("PDF", b"%PDF")):
         link = chart.get_by_role("link", name=text).get_attribute("href")
@@ -60,7 +60,7 @@ def test_figures_and_channels_can_be_fetched_from_their_links(page: Any, server:
 
 def test_one_time_moves_slider_and_charts_and_stays_in_the_address(page: Any) -> None:
     _run(page, BEAM)
-    page.locator(".tag.done").wait_for(timeout=DONE_MS)
+    page.locator("tb-job-head .tag.done").wait_for(timeout=DONE_MS)
     page.locator("tb-chart[data-figure=displacement] .trace").first.wait_for()
     slider = page.get_by_role("slider", name="Time")
     slider.focus()
@@ -72,7 +72,7 @@ def test_one_time_moves_slider_and_charts_and_stays_in_the_address(page: Any) ->
     assert "t=" in page.url
     clock = page.locator(".clock")
     before_play = clock.inner_text()
-    page.get_by_role("button", name="Play").click()
+    page.get_by_role("button", name="Play", exact=True).click()
     expect(clock).not_to_have_text(before_play)
     page.get_by_role("button", name="Pause").click()
 
@@ -133,13 +133,13 @@ def test_an_isolated_defect_has_its_inputs_and_runs_as_they_say(page: Any, serve
     assert study["irregularity"]["type"] == "isolated"
     assert study["irregularity"]["amplitude"] == pytest.approx(0.016)
     page.get_by_role("button", name="Cancel").click()
-    page.locator(".tag.cancelled").wait_for(timeout=DONE_MS)
+    page.locator("tb-job-head .tag.cancelled").wait_for(timeout=DONE_MS)
 
 
 def test_a_running_job_is_cancelled(page: Any, picture: Callable[[Any, str], None]) -> None:
     _run(page, "KHST over the Alverca viaduct")
     page.get_by_role("button", name="Cancel").click()
-    page.locator(".tag.cancelled").wait_for(timeout=DONE_MS)
+    page.locator("tb-job-head .tag.cancelled").wait_for(timeout=DONE_MS)
     page.get_by_text("This job was cancelled.").wait_for()
     assert page.get_by_role("button", name="Cancel").count() == 0
     picture(page, "cancelled")

@@ -206,7 +206,12 @@ def test_json_both_ways_with_errors_at_their_lines(
     page.locator(f".line-numbers .error:text('{line}')").wait_for()
     assert page.get_by_role("button", name="Run", exact=True).is_disabled()
     picture(page, "study-json")
-    text.fill(broken.replace('"time_step": 5', '"time_step": 0.0005'))
+    mended = broken.replace('"time_step": 5', '"time_step": 0.0005')
+    text.fill(mended)
+    page.get_by_text(READY).wait_for()
+    text.fill(mended + "}")
+    page.get_by_text("To mend first: JSON text").wait_for()
+    text.fill(mended)  # The very study of before is looked at again.
     page.get_by_text(READY).wait_for()
     page.get_by_role("radio", name="Form").check(force=True)
     expect(_input(page, "/integration/time_step")).to_have_value("0.5")
@@ -331,3 +336,61 @@ def test_a_modal_study_asks_for_its_part(page: Any) -> None:
     _input(page, "/modes/part").select_option("viaduct")
     page.locator("tb-elevation .span").first.wait_for(state="attached")
     assert _submitted(page)["kind"] == "modes"
+
+
+def test_what_a_modal_analysis_does_not_read_is_folded(page: Any) -> None:
+    _open(page, "/#/study/train-modes")
+    read = page.locator("tb-study-form > section h2")
+    assert read.all_inner_texts() == ["Modes", "Train", "Contact"]
+    speeds = _input(page, "/sweep/speeds")
+    assert not speeds.is_visible()
+    _input(page, "/modes/part").focus()
+    _input(page, "/modes/part").select_option("track")
+    expect(read).to_have_text(["Modes", "Track"])
+    expect(_input(page, "/modes/part")).to_be_focused()
+    assert _input(page, "/mesh_level").is_visible()
+    page.get_by_text("Not used by this modal analysis").click()
+    speeds.fill("-1")
+    page.get_by_text("Must be greater than 0 km/h").wait_for()
+    # What is folded away can still be reached where it forbids the run.
+    page.locator(".unread > summary").click()
+    page.locator("tb-study-run").get_by_role("button", name="Speeds").click()
+    expect(speeds).to_be_focused()
+
+
+def test_an_address_leads_to_an_input(page: Any, server: str) -> None:
+    study = page.request.get(f"{server}/api/v1/templates/sprung-mass-beam").json()
+    job = page.request.post(f"{server}/api/v1/jobs", data={"study": study}).json()["id"]
+    _open(page, f"/#/study?job={job}&field=/integration/time_step")
+    expect(_input(page, "/integration/time_step")).to_be_focused()
+    expect(_input(page, "/integration/time_step")).to_be_in_viewport()
+
+
+def test_an_address_leads_to_a_folded_input_and_from_another_page(page: Any) -> None:
+    page.goto("/#/library")
+    page.get_by_role("heading", name="Library").wait_for()
+    page.evaluate("location.hash = '#/study/khst-alverca?field=/viaduct/web_position'")
+    expect(_input(page, "/viaduct/web_position")).to_be_focused()
+    expect(_input(page, "/viaduct/web_position")).to_be_in_viewport()
+
+
+def test_cost_and_derived_values_are_said_once(page: Any) -> None:
+    _open(page, KHST)
+    said = page.locator("tb-study-report dt").all_inner_texts()
+    assert len(said) == len(set(said))
+    assert len([name for name in said if "steps" in name.lower()]) == 1
+    assert len([name for name in said if "nknowns" in name]) == 1
+
+
+def test_whoever_leaves_while_a_job_starts_is_not_called_back(page: Any) -> None:
+    _open(page, BEAM)
+    waiting: list[Any] = []
+    page.route("**/api/v1/jobs", lambda route: waiting.append(route))
+    page.get_by_role("button", name="Run", exact=True).click()
+    page.get_by_text("Starting…").wait_for()
+    page.evaluate("location.hash = '#/library'")
+    page.get_by_role("heading", name="Library").wait_for()
+    with page.expect_response("**/api/v1/jobs"):
+        waiting[0].fulfill(status=201, json={"id": "0123456789abcdef"})
+    page.wait_for_load_state("networkidle")
+    assert page.evaluate("location.hash") == "#/library"

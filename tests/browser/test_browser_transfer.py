@@ -1,4 +1,7 @@
-"""What the first page costs: bytes, requests, time; and nothing ever comes from elsewhere."""
+"""What the first page costs: bytes, requests; and nothing ever comes from elsewhere.
+
+How soon it can be used is measured by ``tests/benchmarks/page.py``.
+"""
 
 from __future__ import annotations
 
@@ -16,17 +19,7 @@ LARGEST_FIRST_PAGE = 200_000
 """Transferred before the chart library. [B]"""
 MOST_REQUESTS = 80
 """Files of the first page and what it asks the server: each costs a round trip of 6 at once."""
-LONGEST_START = 1.0
-"""Until the first Run can be pressed, on loopback. [s]"""
 RUN = "button.primary"
-TELL_WHEN_READY = f"""
-new MutationObserver((_, observer) => {{
-  const run = document.querySelector("tb-template-card {RUN}");
-  if (!run || run.disabled) return;
-  window.readyAt = performance.now();
-  observer.disconnect();
-}}).observe(document, {{ childList: true, subtree: true, attributes: true }});
-"""
 
 
 @dataclass
@@ -97,18 +90,6 @@ def test_the_second_visit_transfers_hardly_a_file_again(new_page: Callable[..., 
     files = {name: size for name, size in transfer.sizes.items() if "/static/" in name}
     # An answer of 304 has some 300 B of headers.
     assert max(files.values()) < 800, transfer.largest()
-
-
-def test_the_first_run_can_be_pressed_within_a_second(new_page: Callable[..., Any]) -> None:
-    taken: list[float] = []
-    for _ in range(3):  # The best of three: others may use the processor meanwhile.
-        page = new_page(viewport={"width": 1280, "height": 860})
-        page.add_init_script(TELL_WHEN_READY)
-        _open_home(page)
-        taken.append(page.evaluate("window.readyAt") / 1e3)
-        page.close()
-    print(f"ready after {min(taken):.2f} s")
-    assert min(taken) < LONGEST_START, taken
 
 
 @pytest.mark.parametrize(

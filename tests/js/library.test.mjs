@@ -2,6 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { axleGroups, axleLoads } from "../../static/js/axle-loads.js";
+import { Drafts } from "../../static/js/drafts.js";
+import { LibraryEdit } from "../../static/js/library-edit.js";
 import { profileOf } from "../../static/js/irregularity-profile.js";
 import { copyOf, entryOf, importable, kindOf, studyAround } from "../../static/js/library-parts.js";
 
@@ -106,4 +108,26 @@ test("an import is a library, a list or one entry, and nothing else", () => {
   }
   assert.throws(() => importable("{"), /no JSON/);
   for (const text of ["[]", "3", "null", '{"study": {}}', '{"items": [1]}']) assert.throws(() => importable(text), /no entries/);
+});
+
+test("an entry that is edited is kept as a draft until it is saved or given up", () => {
+  const kept = new Map();
+  const drafts = new Drafts(() => ({ getItem: (key) => kept.get(key) ?? null, setItem: (key, value) => void kept.set(key, value) }));
+  const remark = (pointer) => ({ pointer, confidence: "C", text: "assumed" });
+  const value = { type: "isolated", amplitude: 0.01, position: 5 };
+  const item = { id: "a", kind: "irregularities", name: "Joint", source: "", confidence: "", built_in: false, value, remarks: [remark("/amplitude"), remark("/position")] };
+  const templates = [{ name: "t", study: { viaduct: { type: "beam" }, irregularity: { type: "none" } } }];
+  const first = new LibraryEdit(item, templates, drafts);
+  assert.equal(first.resumed, null);
+  first.write("name", "Bad joint ");
+  first.set("/irregularity/amplitude", 0.02);
+  const again = new LibraryEdit(item, templates, drafts);
+  assert.notEqual(again.resumed, null);
+  assert.equal(again.study.irregularity.amplitude, 0.02);
+  assert.deepEqual([again.entry.name, again.entry.remarks.map(({ pointer }) => pointer)], ["Bad joint", ["/position"]]);
+  assert.equal(new LibraryEdit({ ...item, id: "b" }, templates, drafts).resumed, null, "every entry has its own");
+  again.set("/irregularity", null, { tag: "isolated", initial: { type: "isolated" }, complete: false, help: "" });
+  assert.equal(again.content.value.amplitude, 0.01, "the kind that it had comes back as it was saved");
+  again.restart();
+  assert.equal(new LibraryEdit(item, templates, drafts).resumed, null);
 });

@@ -123,19 +123,19 @@ test("drafts outlive the page, the oldest give way, and a broken storage breaks 
   const kept = new Map();
   const storage = { getItem: (key) => kept.get(key) ?? null, setItem: (key, value) => void kept.set(key, value) };
   const drafts = new Drafts(() => storage);
-  for (let index = 0; index < 20; index += 1) drafts.keep(`template ${index}`, { study: { name: String(index) }, saved: index });
-  assert.equal(drafts.get("template 19").study.name, "19");
+  for (let index = 0; index < 20; index += 1) drafts.keep(`template ${index}`, { value: { name: String(index) }, saved: index });
+  assert.equal(drafts.get("template 19").value.name, "19");
   assert.equal(drafts.get("template 0"), null);
   drafts.keep("template 19", null);
   assert.equal(drafts.get("template 19"), null);
-  drafts.keep("large", { study: { text: "x".repeat(2_000_000) }, saved: 1 });
+  drafts.keep("large", { value: { text: "x".repeat(2_000_000) }, saved: 1 });
   assert.ok([...kept.values()].join("").length <= 1_000_000);
   kept.set("trainbridge.drafts", "no JSON");
   assert.equal(drafts.get("template 3"), null);
   const full = new Drafts(() => ({ getItem: () => null, setItem: () => { throw new Error("full"); } }));
-  full.keep("a", { study: {}, saved: 0 });
+  full.keep("a", { value: {}, saved: 0 });
   const refused = new Drafts(() => { throw new Error("SecurityError"); });
-  refused.keep("a", { study: {}, saved: 0 });
+  refused.keep("a", { value: {}, saved: 0 });
   assert.equal(refused.get("a"), null);
 });
 

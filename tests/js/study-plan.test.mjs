@@ -81,6 +81,18 @@ test("a field of the solver that nobody placed has a section of its own", () => 
   assert.equal(sectionsOf(keys, "modes")[0].title, "Modes");
 });
 
+test("what a modal analysis does not read comes last, and the mesh stands beside the modes", () => {
+  const keys = ["viaduct", "mesh_level", "train", "track", "contact", "sweep", "wind_load", "modes"];
+  const shown = (part) => sectionsOf(keys, "modes", part).map(({ name, parts, read }) => [name, parts.join(" "), read]);
+  assert.deepEqual(shown("train").filter(([, , read]) => read).map(([name]) => name), ["modes", "train", "contact", "wind_load"]);
+  assert.deepEqual(shown("viaduct").filter(([, , read]) => read), [["modes", "/modes /mesh_level", true], ["viaduct", "/viaduct", true], ["track", "/track", true], ["wind_load", "/wind_load", true]]);
+  assert.deepEqual(shown("track").find(([name]) => name === "viaduct"), ["viaduct", "/viaduct", false]);
+  for (const part of ["viaduct", "track", "train"]) {
+    assert.deepEqual(shown(part).flatMap(([, parts]) => parts.split(" ")).toSorted(), keys.map((key) => `/${key}`).toSorted(), "each input once");
+  }
+  assert.ok(sectionsOf(keys, "crossing").every(({ read }) => read));
+});
+
 test("names read as engineers write them", () => {
   assert.equal(words("linear_hertz"), "Linear Hertz");
   assert.equal(words("rail_young_modulus"), "Rail Young’s modulus");

@@ -13,7 +13,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 __all__ = ["FOLDER", "Snapshot", "differences", "normalised", "read", "spoken", "text"]
 
@@ -22,6 +22,9 @@ RELATIVE = 1e-3
 """Other arithmetic changes the peaks of a history less than this; a changed meaning more."""
 LONG = 8
 """From so many numbers on a list is a history."""
+
+COMPUTING = "computing time"
+"""A compared result that no two machines share."""
 
 _NUMBERS = re.compile(r"\[\s+([-+.\dEeul,\s]+?)\s+\]")
 _FIXED: dict[str, Any] = {
@@ -79,6 +82,9 @@ def normalised(value: Any, names: Mapping[str, str], key: str = "") -> Any:
     if isinstance(value, dict):
         if key == "timings":
             return dict.fromkeys(sorted(value), 1.0)
+        if value.get("name") == COMPUTING:
+            count = len(value["values"])
+            value = {**value, "values": [1.0] * count, "changes": [0.0] * count}
         return {name: normalised(item, names, name) for name, item in value.items()}
     if isinstance(value, list):
         return [normalised(item, names, key) for item in value]
@@ -133,7 +139,7 @@ def _is_history(values: list[Any]) -> bool:
     return all(item is None or _is_number(item) for item in values)
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: Any) -> TypeGuard[float]:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 

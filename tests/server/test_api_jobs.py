@@ -267,6 +267,7 @@ def test_one_run_leaves_its_job(tmp_path: Path) -> None:
         assert ended(client, job["id"])["state"] == "cancelled"
 
 
+@pytest.mark.slow
 def test_a_sweep_is_gathered_into_one_document(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path)) as client:
         job = submit(client, short_study(sweep={"speeds": [20.0, 30.0]}))

@@ -90,6 +90,7 @@ def test_modes_are_found_without_a_server(tmp_path: Path, part: str) -> None:
     assert first["name"] in done.stdout
 
 
+@pytest.mark.slow
 def test_each_speed_gets_its_folder(tmp_path: Path) -> None:
     study = short_study(sweep={"speeds": [20.0, 30.0]})
     done = trainbridge("run", "-", "--out", str(tmp_path / "out"), given=json.dumps(study))
@@ -251,6 +252,7 @@ def test_a_worker_needs_a_scheduler_that_is_safe() -> None:
     assert "tls://" in refused.stderr
 
 
+@pytest.mark.slow
 def test_only_what_no_job_refers_to_is_cleaned_away(tmp_path: Path) -> None:
     settings = settings_for(tmp_path)
     orphan = settings.data / "runs" / "0123456789abcdef" / "001"
@@ -279,6 +281,7 @@ def test_only_what_no_job_refers_to_is_cleaned_away(tmp_path: Path) -> None:
         assert server.get(f"/api/v1/runs/{job['runs'][0]['id']}/channels").status_code == 200
 
 
+@pytest.mark.slow
 def test_a_store_of_another_database_is_not_cleaned(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path / "ours")) as server:
         ended(server, submit(server, short_study())["id"])

@@ -49,6 +49,7 @@ def quick(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TrainbridgeClien
         yield client
 
 
+@pytest.mark.slow
 def test_a_job_from_its_study_to_its_histories(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path)) as server, client_of(server) as client:
         job = client.submit(short_study(sweep={"speeds": [20.0, 30.0]}), priority=3)

@@ -149,6 +149,7 @@ def test_the_frequency_that_a_run_found_makes_the_resonance_speeds(tmp_path: Pat
     assert past.first_frequency(replace(study, viaduct=stiffer)) is None
 
 
+@pytest.mark.slow
 def test_validation_says_what_its_time_is_from(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path)) as client:
         ask = {"study": short_study()}

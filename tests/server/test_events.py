@@ -77,6 +77,7 @@ def test_a_run_is_heard_from_its_beginning_to_its_end(tmp_path: Path) -> None:
     assert "computing" in {data["stage"] for data in progress}
 
 
+@pytest.mark.slow
 def test_live_curves_grow_as_the_run_does(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path)) as client:
         job = submit(client, beam_study())["id"]
@@ -150,6 +151,7 @@ def test_a_quiet_stream_has_a_heartbeat(tmp_path: Path) -> None:
     assert kinds == ["comment"] * 3
 
 
+@pytest.mark.slow
 def test_snapshots_are_rationed(tmp_path: Path) -> None:
     # Eight tabs must not freeze: at most about four snapshots a second each.
     with serving(settings_for(tmp_path)) as client:
@@ -197,6 +199,7 @@ def test_streams_end_with_the_server(tmp_path: Path) -> None:
     assert max(ends) - begin < 3.0
 
 
+@pytest.mark.slow
 def test_another_process_tells_as_much(tmp_path: Path) -> None:
     # Two servers on one folder, as two processes: the second has no coordinator to wake it.
     settings = settings_for(tmp_path, event_poll_seconds=0.01)
@@ -215,6 +218,7 @@ def test_another_process_tells_as_much(tmp_path: Path) -> None:
     assert len(expected) >= 10
 
 
+@pytest.mark.slow
 def test_a_stream_says_when_all_that_was_missed_is_told(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path)) as client:
         job = submit(client, short_study())["id"]

@@ -107,6 +107,7 @@ def test_figures_come_in_every_format(
     assert answer.content.startswith(begins)
 
 
+@pytest.mark.slow
 def test_drawing_has_a_short_queue(tmp_path: Path) -> None:
     limits = Limits(pending_figures=0)
     with serving(settings_for(tmp_path, limits=limits)) as client:
@@ -131,6 +132,7 @@ def test_modes_are_a_kind_of_job(tmp_path: Path) -> None:
         assert client.json(f"runs/{run['id']}/channels")["items"] == []
 
 
+@pytest.mark.slow
 def test_a_sweep_is_one_job_of_many_runs(tmp_path: Path) -> None:
     study = short_study(sweep={"speeds": [20.0, 25.0, 30.0]})
     with serving(settings_for(tmp_path, concurrent_batches=2)) as client:
@@ -204,6 +206,7 @@ def test_cancelling_ends_the_process(tmp_path: Path, compute: Any) -> None:
         assert client.post(f"/api/v1/jobs/{computing}/cancel").json()["state"] == "cancelled"
 
 
+@pytest.mark.slow
 def test_a_stopped_server_leaves_its_run_in_the_queue(tmp_path: Path) -> None:
     settings = settings_for(tmp_path)
     with serving(settings, compute=odd_batches.hang) as client:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 from collections.abc import Iterator
 from typing import Any
 
@@ -169,6 +170,18 @@ def test_an_export_can_be_imported_again(client: Client) -> None:
     }
 
 
+def test_an_import_keeps_what_comes_twice_once(client: Client) -> None:
+    twice = [{"kind": "trains", **entry(name="Twice")}] * 2
+    answer = client.post("/api/v1/library", json={"items": twice}).json()
+    assert [item["name"] for item in answer["items"]] == ["Twice"]
+    assert answer["skipped"] == ["Twice"]
+
+
+def test_a_name_is_more_than_blanks(client: Client) -> None:
+    assert "/name" in findings(client, "POST", "/trains", entry(name="   "))
+    assert add(client, name="  Mine ")["name"] == "Mine"
+
+
 def test_an_import_takes_all_or_nothing(client: Client) -> None:
     before = client.json("library")
     good = {"kind": "trains", **entry(name="Good")}
@@ -193,6 +206,15 @@ def test_the_library_is_bounded(database_url: str, monkeypatch: pytest.MonkeyPat
     assert first.name == "a\N{REPLACEMENT CHARACTER}b"
     with pytest.raises(LibraryFullError, match="2 entries"):
         database.add_library_entries([new])
+    # Nor may a few large ones make the list of all too long for an answer.
+    large = dataclasses.replace(new, value={"type": "x" * 1000})
+    monkeypatch.setattr(store_library, "LARGEST_LIBRARY", 1000)
+    with pytest.raises(LibraryFullError, match="MiB"):
+        database.change_library_entry(first.id, large)
+    monkeypatch.setattr(store_library, "MOST_ENTRIES", 3)
+    with pytest.raises(LibraryFullError, match="MiB"):
+        database.add_library_entries([large])
+    assert [item.value for item in database.library_entries()] == [{"type": "x"}] * 2
     assert database.library_entry("tracks", first.id) is None
     assert database.delete_library_entry("trains", first.id)
     assert not database.delete_library_entry("trains", first.id)

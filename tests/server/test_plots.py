@@ -202,6 +202,14 @@ def test_displacements_are_in_millimetres_upward() -> None:
     assert "2 mm down" in figure["summary"]
 
 
+@pytest.mark.parametrize("name", ["displacement", "slab-acceleration"])
+def test_noise_before_the_train_arrives_is_not_stretched_over_the_chart(name: str) -> None:
+    run = make_run()
+    for channel, values in run.histories.items():
+        run.histories[channel] = 1e-9 * np.asarray(values)
+    assert draw(name, run)["layout"]["yaxis"]["range"] == [-0.01, 0.01]
+
+
 def test_channels_window_and_points_are_as_asked() -> None:
     figure = draw(
         "contact-force",

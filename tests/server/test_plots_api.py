@@ -139,3 +139,10 @@ def test_a_run_without_a_step_has_no_figures_yet(tmp_path: Path) -> None:
         assert client.json(f"runs/{job['runs'][0]['id']}/plots") == {"items": []}
         figure = client.json(f"jobs/{job['id']}/plots/speed-sweep.json")
         assert "still to come" in figure["summary"] or "No run" in figure["summary"]
+
+
+def test_modes_have_no_sweep(tmp_path: Path) -> None:
+    """A shape has no speed: 0 km/h would be a lie."""
+    with serving(settings_for(tmp_path), compute=lambda *_: None) as client:
+        job = submit(client, short_study(), kind="modes")
+        assert client.get(f"/api/v1/jobs/{job['id']}/plots/speed-sweep.json").status_code == 404

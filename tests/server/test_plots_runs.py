@@ -264,9 +264,12 @@ def test_the_sweeps_values_are_the_verdicts_of_the_runs_that_are_done(tmp_path: 
             "rule": "deck acceleration", "value": value, "limit": 3.5, "cut_off": 30.0,
             "spans": spans,
         }  # fmt: skip
+        # Span 20 begins with a 2, and is another one.
+        least = {"mid-span 1, axis": -0.5, "mid-span 2, axis": -1e-3 * value, "mid-span 20": -0.6}
+        times = {"time_of_least": 1.0, "time_of_greatest": 0.0}
         peaks = {
-            "mid-span 1, axis/displacement": {"least": -0.5, "greatest": 0.0},
-            "mid-span 2, axis/displacement": {"least": -1e-3 * value, "greatest": 0.0},
+            f"{place}/displacement": {"least": size, "greatest": 0.0, **times}
+            for place, size in least.items()
         }
         facts = {"member_frequencies": [6.4, 8.0, 17.0]}
         document = {"verdicts": [verdict], "peaks": peaks, "facts": facts}

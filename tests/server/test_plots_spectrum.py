@@ -56,7 +56,7 @@ def test_the_figure_names_peaks_cut_off_and_own_frequencies() -> None:
     assert lines == [6.64, 8.33, 17.5, 30.0]
     words = " ".join(note["text"] for note in figure["layout"]["annotations"])
     assert "cut-off 30 Hz" in words
-    assert figure["layout"]["xaxis"]["range"] == [0.0, 120.0]  # four cut-offs
+    assert figure["layout"]["xaxis"]["range"] == [0.0, 90.0]  # three cut-offs
     assert figure["layout"]["meta"]["axis"] == "frequency"
 
 

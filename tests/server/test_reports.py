@@ -5,13 +5,16 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
+import zlib
 from collections.abc import Iterator
 from dataclasses import replace
 from html import unescape
+from io import BytesIO
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib import image
 
 from server.reports.basis import data_section, statement_section
 from server.reports.document import Bullets, Document, Facts, Paragraph, Picture, Section, Table
@@ -19,7 +22,7 @@ from server.reports.html_writer import write_html
 from server.reports.material import Material, ReportHead, RunMaterial
 from server.reports.numerics import step_error
 from server.reports.pdf_writer import write_pdf
-from server.reports.results import result_section
+from server.reports.results import result_section, speeds_section
 from server.reports.words import input_name, number, shown
 from server.store import JobRecord, RunRecord
 from solver import studies
@@ -83,6 +86,25 @@ def test_the_html_holds_what_the_file_needs(client: Client, sweep: dict[str, Any
     assert "126" in text  # 35 m/s in km/h, of the sweep's table.
     assert page.count("<figure>") >= 4
     assert text.count("Figure 1:") == 1
+    assert re.search(r"Computed until\s+20\d\d-\d\d-\d\d \d\d:\d\d UTC", text)
+
+
+def test_the_moment_that_decides_is_seen_in_space(client: Client, sweep: dict[str, Any]) -> None:
+    """With its time, scale and colours in words: a picture alone tells nobody any of them."""
+    page = html(client, sweep["id"])
+    words = re.search(r"Figure 2: Bridge and train<span>([^<]*)</span>", page)
+    assert words is not None
+    run = client.get(f"/api/v1/runs/{sweep['runs'][-1]['id']}").json()
+    peak = run["summary"]["peaks"]["mid-span 1/displacement"]
+    frame = float(re.search(r"t = ([\d.]+) s, 126 km/h", words[1])[1])  # type: ignore[index]
+    # Shapes are stored every 10 ms in this study.
+    assert frame == pytest.approx(peak["time_of_least"], abs=0.0051)
+    assert f"nearest to t = {peak['time_of_least']:.3f} s, when the displacement" in words[1]
+    assert "deformation × " in words[1]
+    assert re.search(
+        r"colours: vertical acceleration, −[\d.]+ to [\d.]+ m/s², as computed", words[1]
+    )
+    assert re.search(r'src="data:image/png;base64,[^"]{1000,}"><figcaption>Figure 2', page)
 
 
 def test_the_html_is_closed_to_the_world(client: Client, sweep: dict[str, Any]) -> None:
@@ -127,6 +149,16 @@ def test_a_modal_analysis_has_a_report(client: Client) -> None:
     text = text_of(html(client, job["id"]))
     assert "Natural modes" in text
     assert "frequency [Hz]" in text
+    assert "Figure 1: Shape of mode 1" in text
+    assert "deformation × " in text
+    assert "share of the greatest displacement, 0 to 1" in text
+    # The names of a beam's modes follow from their order: compared with nothing, no criterion.
+    assert "1 half wave" in text
+    assert "MAC" not in text
+    assert "diagonal of the modal damping matrix" in text
+    # Neither train nor irregularity have a part in a viaduct's modes.
+    assert "Yang and Yau, 25 m" in text
+    assert "One sprung mass of Yang" not in text
     assert client.get(f"/api/v1/jobs/{job['id']}/report.pdf").status_code == 200
 
 
@@ -195,6 +227,37 @@ def test_every_block_is_written_to_pdf_without_a_warning(capfd: pytest.CaptureFi
     assert content.startswith(b"%PDF-")
     assert len(re.findall(rb"/Type /Page\b", content)) > 2
     assert capfd.readouterr().err == ""
+
+
+def test_a_heading_stands_on_the_page_of_its_picture() -> None:
+    """Whatever is left of the page before it."""
+    buffer = BytesIO()
+    image.imsave(buffer, np.zeros((100, 200, 3)), format="png")
+    pages: set[bytes] = set()
+    for lines in range(4, 34, 5):
+        sections = (
+            Section(title="Words", blocks=(Paragraph(text="word"),) * lines),
+            Section(title="Figures", blocks=(Picture(name="p", caption="c", words="w"),)),
+        )
+        head = Facts(rows=(("a", "b"),))
+        content = write_pdf(
+            Document(title="t", subtitle="s", head=head, sections=sections),
+            {"p": buffer.getvalue()},
+        )
+        heading = re.findall(rb"/Dest \[(\d+) 0 R", content)[1]
+        assert heading == page_of_picture(content), lines
+        pages.add(heading)
+    assert len(pages) == 2  # of the heights tried, some leave room and some do not
+
+
+def page_of_picture(content: bytes) -> bytes:
+    """Number of the page object whose content draws an image."""
+    for page, text in re.findall(rb"(\d+) 0 obj\n<<\n/Contents (\d+) 0 R", content):
+        begin = content.index(b"\n%b 0 obj" % text)
+        stream = content[content.index(b"stream\n", begin) + 7 : content.index(b"endstream", begin)]
+        if b" Do" in zlib.decompress(stream.rstrip(b"\n")):
+            return page
+    raise AssertionError("no page has a picture")
 
 
 @pytest.mark.parametrize("alpha", [0.0, -0.05, -0.3])
@@ -288,6 +351,12 @@ def judged_material() -> Material:
     summary = {
         "verdicts": [verdict],
         "comfort": comfort,
+        "peaks": {
+            "wheel 01 left/contact force": peak_of(78.4e3, 92.1e3),
+            "wheel 02 left/contact force": peak_of(62.3e3, 92.1e3),
+            "mid-span 2, axis/displacement": peak_of(-8.0e-3, 4e-3),
+            "mid-span 3, axis/displacement": peak_of(-9.3e-3, 4e-3),
+        },
         "facts": {"assumed": ["places of the bearings"], "mesh_accuracy": ["within 2.1 percent"]},
     }
     study = studies.template("khst-alverca").study
@@ -324,6 +393,25 @@ def judged_material() -> Material:
     return Material(job=job, study=study, runs=(run,), n_run=2, head=head, version="1")
 
 
+def peak_of(least: float, greatest: float) -> dict[str, float]:
+    """Extremes as a summary has them, SI."""
+    return {
+        "least": least,
+        "time_of_least": 2.5,
+        "greatest": greatest,
+        "time_of_greatest": 3.0,
+    }
+
+
+def test_table_and_figure_of_speeds_show_the_same_displacement() -> None:
+    """That of the spans that are judged: the last span's neighbour is not modelled."""
+    material = judged_material()
+    both = replace(material, runs=(material.runs[0],) * 2)
+    section = speeds_section(both)
+    assert section is not None
+    assert re.search(r"432\s+9\.4\s+9\.4\s+8\s+exceeds", words_of(section))
+
+
 def words_of(section: Section) -> str:
     return text_of(write_html(Document(title="", subtitle="", head=Facts(rows=()),
                                        sections=(section,)), {}))  # fmt: skip
@@ -341,6 +429,7 @@ def test_verdicts_stand_with_clause_value_limit_and_scope() -> None:
         "Screening mesh: confirm.",
         "1 of 2 runs are done",
         "Good in carbody 03: 1.1 m/s²",
+        "62.3 kN at wheel 02 left, t = 2.500 s; of 2 contacts none is lost",
         "good, no passengers",
     ):
         assert words in text, words

@@ -67,6 +67,7 @@ def long_study() -> dict[str, Any]:
     return study
 
 
+@pytest.mark.slow
 def test_it_stops_at_once_with_streams_open_and_runs_computing(tmp_path: Path) -> None:
     for number in (signal.SIGTERM, signal.SIGINT):
         with server_process(tmp_path / str(int(number))) as (process, address):

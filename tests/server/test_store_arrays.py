@@ -132,6 +132,7 @@ def test_a_run_without_slab_or_frames_is_stored(tmp_path: Path) -> None:
     assert list(RunReader(tmp_path / "run").slab_blocks(64)) == []
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_steps(tmp_path: Path) -> None:
     held = []
     for n_step in (4000, 40_000):

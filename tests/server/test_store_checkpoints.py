@@ -54,6 +54,7 @@ def stored(folder: Path) -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stops", "flushes"),
     [

@@ -145,6 +145,7 @@ def test_a_store_that_does_not_answer_says_so(bucket: str) -> None:
     check_place(open_place(bucket))
 
 
+@pytest.mark.slow
 def test_a_run_is_stored_resumed_and_read_in_any_place(place: Place) -> None:
     plan = make_plan(400)
     first, second = attempt_place(place, "run", 1), attempt_place(place, "run", 2)

@@ -135,7 +135,7 @@ def test_a_mode_is_coloured_by_its_shape_times_the_phase() -> None:
     run.plan = replace(run.plan, modal=True, frame_stride=1)
     shape = np.zeros_like(run.plan.geometry.vertices)
     shape[used("slab"), 2] = np.linspace(0.0, 1.0, len(used("slab")))
-    run.frame = lambda index: Frame(displacement=shape, bodies=np.zeros((43, 3)))
+    run.frame = lambda index, motion=(): Frame(displacement=shape, bodies=np.zeros((43, 3)))
     maker = PictureMaker(run)
     assert maker.available_colourings == ("none", "displacement")
     bar = maker.colour_bar("displacement")

@@ -83,6 +83,8 @@ def test_an_unfinished_run_is_named_so() -> None:
     run = BeamRun()
     run.done = False
     assert "not finished" in replay(run, ReplayOptions(stop=0.05), LIMITS).caption
+    run.done, run.committed_frames = True, 20  # it failed: no more will come
+    assert "not finished" in replay(run, ReplayOptions(stop=0.05), LIMITS).caption
 
 
 def test_a_mode_swings_once_around() -> None:
@@ -127,3 +129,32 @@ def test_a_replay_is_served_as_an_attachment() -> None:
         refused = httpx.get(where, params={"colour": "peak"})
         assert [error["pointer"] for error in refused.json()["errors"]] == ["colour"]
         assert httpx.get(where, params={"from": "x"}).status_code == 422
+
+
+def test_only_so_many_replays_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    go, made = threading.Event(), replay
+
+    def slow(*arguments: Any) -> Any:
+        go.wait(30)
+        return made(*arguments)
+
+    monkeypatch.setattr("server.viewer.exports.replay", slow)
+    app = FastAPI()
+    install_errors(app)
+    app.include_router(router(lambda run: BeamRun()))
+    codes: list[int] = []
+
+    def ask(where: str) -> None:
+        codes.append(httpx.get(where, timeout=60).status_code)
+        if codes[-1] == 503:
+            go.set()
+
+    with served(app) as address:
+        where = f"http://{address}/api/v1/runs/beam/viewer/replay.html"
+        askers = [threading.Thread(target=ask, args=(where,)) for _ in range(6)]
+        for asker in askers:
+            asker.start()
+        for asker in askers:
+            asker.join(60)
+    # One is made, four wait, the sixth is told at once to come again.
+    assert sorted(codes) == [200] * 5 + [503]

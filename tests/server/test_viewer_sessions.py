@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import gc
+import threading
 import time
+import weakref
 from collections.abc import Callable, Iterator
 
 import httpx
@@ -17,6 +20,7 @@ from server.viewer import ViewerLimits
 from server.viewer.guard import SECRET_HEADER, secret_headers, start_server, stop_server
 from server.viewer.playback import Player
 from server.viewer.session import Session, Sessions, TooManySessionsError
+from solver.results import SlabPeaks
 from tests.server.viewer_client import PROTOCOL
 from tests.server.viewer_small_runs import BeamRun, ModalRun
 
@@ -131,6 +135,43 @@ def test_an_unwatched_session_makes_room_and_a_watched_one_does_not(sessions: Se
         with third.watched(), pytest.raises(TooManySessionsError):
             sessions.open("run", RUN, "light")
     assert len(sessions) == 2
+
+
+def test_the_one_that_nobody_has_watched_for_longest_makes_room(sessions: Sessions) -> None:
+    first, second = (sessions.open("run", RUN, "light") for _ in range(2))
+    with first.watched():
+        pass  # a page that loads anew comes back at once
+    sessions.open("run", RUN, "light")
+    assert sessions.get(first.id) is first
+    assert sessions.get(second.id) is None
+
+
+def test_a_large_run_that_opens_holds_up_no_other_view(sessions: Sessions) -> None:
+    begun, go_on = threading.Event(), threading.Event()
+
+    class Large(BeamRun):
+        def slab_peaks(self) -> SlabPeaks | None:
+            begun.set()
+            go_on.wait(10.0)
+            return None
+
+    first = sessions.open("run", RUN, "light")
+    opening = threading.Thread(target=sessions.open, args=("large", Large(), "light"))
+    opening.start()
+    assert begun.wait(5.0)
+    steered = threading.Thread(target=sessions.change, args=(first,), kwargs={"playing": True})
+    steered.start()
+    steered.join(5.0)
+    held_up = steered.is_alive()
+    go_on.set()
+    opening.join(5.0)
+    assert not held_up
+    assert len(sessions) == 2
+
+
+def test_a_session_that_has_ended_keeps_no_histories(hasty: Sessions) -> None:
+    session = weakref.ref(hasty.open("run", RUN, "light"))
+    assert until(lambda: gc.collect() >= 0 and session() is None)
 
 
 def test_a_session_that_nobody_watches_ends(hasty: Sessions) -> None:

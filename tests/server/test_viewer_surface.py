@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from server.viewer.decimation import lightened, snapped
 from server.viewer.rail_profile import SECTION_POINTS, with_rail_section
 from server.viewer.scene_elements import element_poses
+from server.viewer.scenery import piers, rigid_rails
 from server.viewer.surface import surface_of
 from solver.results import Geometry, Layer, WheelGeometry
+from tests.server.viewer_run import ExampleRun
 
 NO_WHEELS = WheelGeometry(
     names=(), offsets=np.zeros(0), lateral=np.zeros(0), contact_height=0.0, radius=0.46
@@ -160,3 +164,20 @@ def _rotation(quaternion: np.ndarray) -> np.ndarray:
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
     )
+
+
+def test_piers_and_rigid_rails_stand_beside_what_is_modelled() -> None:
+    """The live view and the stills ask the same: neither may fail on a surface off the spans."""
+    geometry = ExampleRun().plan.geometry
+    centres, sizes = piers(geometry)
+    assert centres[:, 0].tolist() == [0.0, 16.5, 37.5, 58.5]
+    beside = replace(geometry, spans=geometry.spans + 1000.0)
+    assert np.isfinite(piers(beside)[0]).all()
+    top = centres[:, 2] + sizes[:, 2] / 2.0
+    on_spans = geometry.vertices[geometry.vertices[:, 0] >= 0.0]
+    assert np.all(top < on_spans[:, 2].min())
+    ends = rigid_rails(geometry, 0.0)
+    assert ends.shape == (4, 2, 3)
+    low, high = geometry.vertices[:, 0].min(), geometry.vertices[:, 0].max()
+    assert not np.any((ends[:, :, 0] > low) & (ends[:, :, 0] < high))
+    assert ends[:, :, 0].min() < low + geometry.wheels.offsets.min()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -89,10 +89,11 @@ class BeamRun:
         self._motion = motion
         self.committed = self.plan.n_sample
         self.committed_frames = self.plan.n_frame
+        self.identity = "beam"
         self.done = True
         self.summary: dict[str, Any] | None = None
 
-    def frame(self, index: int) -> Frame:
+    def frame(self, index: int, *, motion: Collection[str] = ("velocity", "acceleration")) -> Frame:
         """The swinging half wave."""
         shape = np.repeat(np.sin(np.pi * X / LENGTH), 2)
         phase = 2.0 * np.pi * 2.0 * 0.01 * index
@@ -102,9 +103,8 @@ class BeamRun:
             "velocity": -1e-3 * 4 * np.pi * shape * np.cos(phase),
             "acceleration": 1e-3 * (4 * np.pi) ** 2 * shape * np.sin(phase),
         }
-        return Frame(
-            displacement=displacement, bodies=np.zeros((0, 3)), **(moves if self._motion else {})
-        )
+        asked = {name: moves[name] for name in motion if self._motion}
+        return Frame(displacement=displacement, bodies=np.zeros((0, 3)), **asked)
 
     def channel_rows(self, names: Sequence[str], start: int, stop: int) -> np.ndarray:
         """Constant forces."""
@@ -153,7 +153,7 @@ class ModalRun(BeamRun):
             "modes": [{"frequency": 5.0 * k * k, "name": f"bending {k}"} for k in (1, 2, 3)]
         }
 
-    def frame(self, index: int) -> Frame:
+    def frame(self, index: int, *, motion: Collection[str] = ()) -> Frame:
         """One mode."""
         geometry = self.plan.geometry
         displacement = np.zeros((len(geometry.vertices), 3))

@@ -48,7 +48,7 @@ export class Chart extends HTMLElement {
   #heading = h("h3");
   #summary = h("p", { class: "soft small summary" });
   #more = h("summary", null, "Numbers");
-  #table = h("div", { class: "scroll" });
+  #table = h("div", { class: "scroll", tabindex: 0, role: "region" });
   #picker = /** @type {CurvePicker} */ (h("tb-curve-picker"));
   #files = h("div", { class: "row files", role: "group", "aria-label": "Save what is visible" });
 
@@ -62,6 +62,8 @@ export class Chart extends HTMLElement {
     this.classList.add("card", "chart");
     this.dataset.figure = source.name;
     show(this.#heading, title);
+    this.#table.setAttribute("aria-label", `Numbers: ${title}`);
+    show(this.#summary, "On its way…");
     if (source.channels) this.#picker.bind({ load: source.channels, any, drawn: [] });
     const tools = h("div", { class: "row chart-tools" }, variants.length > 0 && segments({ legend: title, options: variants, chosen: query.variant ?? variants[0][0], choose: (variant) => this.#vary(variant) }), this.#files);
     show(
@@ -69,13 +71,7 @@ export class Chart extends HTMLElement {
       h("div", { class: "row spread" }, this.#heading, tools),
       this.#plot.element,
       this.#summary,
-      h(
-        "details",
-        { ontoggle: () => void this.#picker.load() },
-        this.#more,
-        this.#picker,
-        this.#table,
-      ),
+      h("details", { ontoggle: () => void this.#picker.load() }, this.#more, this.#picker, this.#table),
     );
     this.#listen();
   }
@@ -118,6 +114,12 @@ export class Chart extends HTMLElement {
   set query(change) {
     this.#query = { ...this.#query, ...change };
     void this.refresh();
+  }
+
+  /** What the next refresh asks for. @param {{ window: TimeWindow, query: FigureQuery }} asked */
+  prepare({ window, query }) {
+    this.#window = window;
+    this.#query = { ...this.#query, ...query };
   }
 
   /** The time of the cursor. @param {number} time */

@@ -49,8 +49,10 @@ export class ComparePicker extends HTMLElement {
   }
 
   async #find() {
+    const name = this.#name.value;
     try {
-      const { items } = await api.findJobs({ states: ["done", "running", "failed", "cancelled"], name: this.#name.value.trim() });
+      const { items } = await api.findJobs({ states: ["done", "running", "failed", "cancelled"], name: name.trim() });
+      if (name !== this.#name.value) return; // somebody typed on: the answer to that is on its way
       this.#jobs = items;
       this.#draw();
     } catch (error) {

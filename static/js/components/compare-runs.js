@@ -23,7 +23,9 @@ export class CompareRuns extends HTMLElement {
    * @param {string[]} names
    */
   bind(runs, names) {
+    const chosen = this.#list.contains(document.activeElement) && document.activeElement?.getAttribute("value");
     show(this.#list, runs.map((run, index) => this.#item(run, names[index], index)));
+    if (chosen) /** @type {HTMLElement | null} */ (this.#list.querySelector(`input[value="${chosen}"]`))?.focus();
     this.#adding.hidden = runs.length >= MOST;
     if (runs.length < 2) this.#adding.open = true;
     this.#picker.chosen = runs.map((run) => run.id);

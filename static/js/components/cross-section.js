@@ -16,7 +16,8 @@ export class CrossSection extends HTMLElement {
 
   /** @param {import("../types.js").Study} study */
   set study(study) {
-    const section = sectionOf(study, this.loaded);
+    const whole = sectionOf(study, this.loaded);
+    const section = this.loaded ? whole : { ...whole, points: [], defects: [] }; // no load, no histories
     const { width, top } = section.size;
     const half = Math.max(width, 4.4) / 2 + MARGIN;
     show(
@@ -37,7 +38,8 @@ export class CrossSection extends HTMLElement {
 /** @param {Section} section */
 function words({ words: text, points, defects }) {
   const marked = defects.map(({ y }) => (y > 0 ? "left" : y < 0 ? "right" : "only") + " rail").join(" and ");
-  return `${text} Output points: ${points.map((point) => point.name).join(", ")}.${marked ? ` Defect on the ${marked}.` : ""}`;
+  const read = points.length ? ` Output points: ${points.map((point) => point.name).join(", ")}.` : "";
+  return `${text}${read}${marked ? ` Defect on the ${marked}.` : ""}`;
 }
 
 /** The left is drawn on the left. @param {[number, number][]} corners */

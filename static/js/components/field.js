@@ -10,6 +10,7 @@ import { isTable, listOf } from "../paste.js";
 import { advised } from "../remedy.js";
 import { helpOf, titleOf } from "../titles.js";
 import { findingLines, wasLine } from "./finding-lines.js";
+import { unfold } from "./study-focus.js";
 
 /** @typedef {import("../schema.js").Field} Field */
 /** @typedef {import("../types.js").Finding} Finding */
@@ -98,7 +99,7 @@ export class FieldInput extends HTMLElement {
   }
 
   focus() {
-    for (let folded = this.closest("details"); folded; folded = folded.parentElement?.closest("details") ?? null) folded.open = true;
+    unfold(this);
     this.#control?.focus();
   }
 

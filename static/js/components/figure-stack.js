@@ -72,7 +72,9 @@ export class FigureStack extends HTMLElement {
   /** Fetches every figure again, once it is seen. */
   async refresh() {
     this.#stale = !this.#shown;
-    if (this.#stale) return;
+    if (this.#stale || !this.#view) return;
+    const { window } = this.#view.look;
+    for (const [name, chart] of this.#charts) chart.prepare({ window, query: this.#query(name) });
     await Promise.all(
       [...this.#charts].map(async ([name, chart]) => {
         await chart.refresh();
@@ -93,7 +95,8 @@ export class FigureStack extends HTMLElement {
    * @param {(chart: Chart, name: string) => void} change
    */
   #each(change) {
-    for (const [name, chart] of this.#charts) change(chart, name);
+    this.#stale ||= !this.#shown;
+    if (this.#shown) for (const [name, chart] of this.#charts) change(chart, name);
   }
 
   /**

@@ -6,11 +6,13 @@ import { JobFiles } from "./job-files.js";
 import { JobInputs } from "./job-inputs.js";
 import { JobLog } from "./job-log.js";
 import { ModesTable } from "./modes-table.js";
+import { PlaceForm } from "./place-form.js";
 import { RunFacts } from "./run-facts.js";
 import { SweepTable } from "./sweep-table.js";
 import { h } from "../dom.js";
 import { jobFigure, runFigure } from "../figures.js";
-import { tabsOf } from "../job-tabs.js";
+import { POINT_FIGURES, tabsOf } from "../job-tabs.js";
+import { isActive } from "../job-words.js";
 
 /** @typedef {import("../types.js").Job} Job */
 /** @typedef {import("../types.js").Run} Run */
@@ -25,10 +27,9 @@ import { tabsOf } from "../job-tabs.js";
 
 /** @type {FigureItem} */
 const SWEEP = { name: "speed-sweep", title: "Speed sweep" };
+/** Tabs where a point of the deck is chosen. */
+const PLACED = new Set(["accelerations", "slab-map"]);
 const NO_SPEED = "The first point appears with the first speed that is done.";
-
-/** Whether a job still waits or computes. @param {Pick<Job, "state">} job */
-export const isActive = (job) => job.state === "queued" || job.state === "running";
 
 /**
  * The content of a tab.
@@ -52,14 +53,23 @@ export function contentOf(id, shown) {
   }
   if (id === "files") {
     const files = /** @type {JobFiles} */ (h("tb-job-files"));
-    files.bind({ job, run, figures, time: view.cursor.time || view.look.time || 0 });
+    const { mode } = view.look;
+    files.bind({ job, run, figures, time: view.cursor.time || view.look.time || 0, mode });
     return files;
   }
   const own = tabsOf(job, figures).find((tab) => tab.id === id)?.figures ?? [];
   const stack = /** @type {FigureStack} */ (h("tb-figure-stack"));
   if (id === "sweep") stack.bind({ view, library, figures: [SWEEP], source: (name) => jobFigure(job.id, name), empty: NO_SPEED });
   else stack.bind({ view, library, figures: own, source: (name) => runFigure(run, name) });
-  return h("div", { class: "stack" }, (own.length > 0 || id === "sweep") && stack, h("div", { class: "stack addition" }));
+  const pointed = PLACED.has(id) && figures.some(({ name }) => POINT_FIGURES.includes(name));
+  return h("div", { class: "stack" }, pointed && placeForm(view), (own.length > 0 || id === "sweep") && stack, h("div", { class: "stack addition" }));
+}
+
+/** @param {RunView} view */
+function placeForm(view) {
+  const form = /** @type {PlaceForm} */ (h("tb-place-form"));
+  form.view = view;
+  return form;
 }
 
 /**

@@ -39,6 +39,8 @@ export class JobDesk extends HTMLElement {
   /** Whether the instrument shows something. */
   #ready = false;
   #refreshing = false;
+  /** Whether something changed while the curves were on their way. */
+  #again = false;
   #drawnAt = Number.NEGATIVE_INFINITY;
   #ended = new AbortController();
   #side = /** @type {Elevation} */ (h("tb-elevation"));
@@ -77,13 +79,15 @@ export class JobDesk extends HTMLElement {
     this.#panels.job = job;
     if (run !== this.#run) this.#switch(run);
     const item = job.runs.find(({ id }) => id === run);
-    if (!item || !((item.progress?.step ?? 0) > 0 || item.state === "done")) return;
+    const begun = item && ((item.progress?.step ?? 0) > 0 || item.state === "done");
+    if (!begun) return void (this.#partial.hidden = true);
     this.#opening ??= this.#open();
     await this.#opening;
     if (run !== this.#run || !this.isConnected) return;
     this.#mark(item);
     if (this.#ready) this.#instrument.progress(item.state, item.progress?.simulated_time ?? null);
-    if (before !== item.state || performance.now() - this.#drawnAt > PACE) void this.#refresh();
+    const news = before !== item.state;
+    if (news || performance.now() - this.#drawnAt > PACE) void this.#refresh(news);
   }
 
   /** What the shown run has come to. @param {Run | null} run */
@@ -131,20 +135,24 @@ export class JobDesk extends HTMLElement {
   #switch(run) {
     this.#run = run;
     this.#result = null;
-    this.#view?.set({ window: null });
+    this.#view?.set({ window: null, time: null });
     if (this.#ready) this.#instrument.run = run;
     if (this.#opening) this.#panels.open({ run, figures: this.#figures });
+    void this.#refresh(true);
+    void runExtent(run).then(({ interval }) => this.#view && run === this.#run && interval && (this.#view.cursor.interval = interval));
   }
 
-  /** Fetches what is seen again. */
-  async #refresh() {
+  /** Fetches what is seen again. @param {boolean} news whether what is on its way may lack something */
+  async #refresh(news) {
+    this.#again ||= news;
     if (this.#refreshing) return;
     this.#refreshing = true;
-    this.#drawnAt = performance.now();
-    const run = this.#run;
-    await Promise.all([this.#extent(), this.#panels.refresh()]);
+    do {
+      this.#again = false;
+      this.#drawnAt = performance.now();
+      await Promise.all([this.#extent(), this.#panels.refresh()]);
+    } while (this.#again && this.isConnected);
     this.#refreshing = false;
-    if (run !== this.#run) void this.#refresh();
   }
 
   async #extent() {

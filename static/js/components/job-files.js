@@ -16,12 +16,15 @@ const ROWS = 40;
 
 export class JobFiles extends HTMLElement {
   /**
-   * @param {{ job: Job, run: string, figures: FigureItem[], time: number }} options `time` of the
-   *   still picture [s]
+   * @param {{ job: Job, run: string, figures: FigureItem[], time: number, mode: number }} options
+   *   `time` of the still picture [s]; `mode` of a modal analysis, counted from 1
    */
-  bind({ job, run, figures, time }) {
+  bind({ job, run, figures, time, mode }) {
     this.classList.add("card", "sheet", "files-sheet");
     const ended = job.state === "done";
+    const modal = job.kind === "modes";
+    /** @type {Record<string, number>} */
+    const look = modal ? { mode: mode - 1 } : {};
     const swept = job.runs.length > 1;
     show(
       this,
@@ -37,10 +40,10 @@ export class JobFiles extends HTMLElement {
         ...(swept ? [row("Speed sweep", (format) => jobFigureUrl(job.id, "speed-sweep", format, { theme: currentTheme() }))] : []),
       ]),
       group("3D view", [
-        ["Picture", `as drawn by the server, at ${time.toFixed(3)} s`, [["PNG", stillUrl(run, { time, theme: currentTheme(), width: 1600, height: 900 })]]],
-        ["Replay", "one file that plays without the server", [["HTML", replayUrl(run, {})]]],
+        ["Picture", `as drawn by the server, ${modal ? `of mode ${mode}` : `at ${time.toFixed(3)} s`}`, [["PNG", stillUrl(run, { time: modal ? 0 : time, ...look, theme: currentTheme(), width: 1600, height: 900 })]]],
+        ["Replay", "one file that plays without the server", [["HTML", replayUrl(run, look)]]],
       ]),
-      job.kind !== "modes" && this.#channels(run),
+      !modal && this.#channels(run),
     );
   }
 

@@ -39,9 +39,9 @@ export class JobLog extends HTMLElement {
 
   /** Whether the job still runs: then the log is followed. @param {boolean} active */
   set active(active) {
-    const ended = this.#active && !active;
+    if (active === this.#active) return;
     this.#active = active;
-    if (active || ended) void this.#read();
+    void this.#read();
   }
 
   async #read() {

@@ -4,12 +4,13 @@
  * that nobody sees are not fetched.
  */
 import { FigureStack } from "./figure-stack.js";
-import { additionOf, contentOf, isActive } from "./job-contents.js";
+import { additionOf, contentOf } from "./job-contents.js";
 import { JobLog } from "./job-log.js";
 import { JobTabs } from "./job-tabs.js";
 import { ModesTable } from "./modes-table.js";
 import { h, show } from "../dom.js";
 import { FIRST_TABS, tabsOf } from "../job-tabs.js";
+import { isActive } from "../job-words.js";
 
 /** @typedef {import("./job-contents.js").Shown} Shown */
 /** @typedef {import("./job-contents.js").Found} Found */
@@ -55,6 +56,7 @@ export class JobPanels extends HTMLElement {
     const more = doneRuns(shown.job) !== doneRuns(job);
     this.#shown = { ...shown, job };
     for (const log of this.querySelectorAll("tb-job-log")) /** @type {JobLog} */ (log).active = isActive(job);
+    if (shown.job.state !== job.state) this.#tabs.forget("files");
     if (more) this.#stacks((stack, id) => id === "sweep" && void stack.refresh());
   }
 
@@ -90,6 +92,7 @@ export class JobPanels extends HTMLElement {
   /** @param {string} tab */
   #turn(tab) {
     this.#tabs.choose(tab);
+    if (this.tab === "files") this.#tabs.forget("files"); // its picture is of the time as it is now
     this.#arrange();
   }
 
@@ -109,7 +112,10 @@ export class JobPanels extends HTMLElement {
   /** @param {string} id */
   #add(id) {
     const place = this.#tabs.panel(id)?.querySelector(".addition");
-    if (place && this.#shown) show(place, additionOf(id, this.#shown, this.#found));
+    if (!place || !this.#shown) return;
+    const focused = place.contains(document.activeElement) ? document.activeElement?.textContent : null;
+    show(place, additionOf(id, this.#shown, this.#found));
+    if (focused) [...place.querySelectorAll("button")].find((button) => button.textContent === focused)?.focus();
   }
 
   /** @param {number} mode */

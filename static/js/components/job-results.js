@@ -7,15 +7,28 @@ import { h } from "../dom.js";
 /** @typedef {import("../types.js").Run} Run */
 /** @typedef {import("../job-words.js").Judged} Judged */
 
-/**
- * The deciding verdict of each run that has one.
- *
- * @param {string[]} runs
- * @returns {Promise<Judged[]>}
- */
-export async function verdictsOf(runs) {
-  const answers = await Promise.all(runs.map((run) => api.runVerdicts(run)));
-  return answers.flatMap((answer, index) => (answer.items.length ? [{ run: runs[index], verdict: answer.items[0] }] : []));
+/** The deciding verdicts of a sweep's runs; each is asked for once. */
+export class Verdicts {
+  /** By run and attempt. @type {Map<string, Judged | null>} */
+  #known = new Map();
+
+  /**
+   * Of those that have one.
+   *
+   * @param {import("../types.js").RunItem[]} runs that are done
+   * @returns {Promise<Judged[]>}
+   */
+  async of(runs) {
+    const key = (/** @type {import("../types.js").RunItem} */ run) => `${run.id} ${run.attempt ?? 0}`;
+    const fresh = runs.filter((run) => !this.#known.has(key(run)));
+    await Promise.all(
+      fresh.map(async (run) => {
+        const { items } = await api.runVerdicts(run.id);
+        this.#known.set(key(run), items.length ? { run: run.id, verdict: items[0] } : null);
+      }),
+    );
+    return runs.flatMap((run) => this.#known.get(key(run)) ?? []);
+  }
 }
 
 /** @param {Run} run */

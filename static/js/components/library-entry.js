@@ -2,6 +2,7 @@
 /** One entry of the library: drawn, with its figures; cloned, edited, exported, deleted. */
 import { api, ApiError, libraryUrl } from "../api.js";
 import { h, show } from "../dom.js";
+import { LibraryEdit } from "../library-edit.js";
 import { copyOf, kindOf } from "../library-parts.js";
 import { link, remember } from "../router.js";
 import { confirmed } from "./confirm.js";
@@ -10,7 +11,6 @@ import { LibraryFigures } from "./library-figures.js";
 import { LibraryForm } from "./library-form.js";
 
 /** @typedef {import("../types.js").LibraryItem} Item */
-/** @typedef {import("../types.js").LibraryEntry} Entry */
 /** @typedef {{ templates: import("../types.js").Template[], document: any }} Known */
 
 export class LibraryEntry extends HTMLElement {
@@ -41,7 +41,7 @@ export class LibraryEntry extends HTMLElement {
       h("div", { class: "card library-picture" }, this.#drawing),
       this.#place,
     );
-    this.#drawing.bind(item.kind, item.value, known.templates);
+    this.#draw(item.value);
     if (editing && !item.built_in) this.#edit();
     else this.#read();
   }
@@ -66,6 +66,7 @@ export class LibraryEntry extends HTMLElement {
     figures.bind(this.#item, this.#known.templates, this.#known.document);
     show(
       this.#place,
+      this.#unsaved(),
       h(
         "dl",
         { class: "card library-about basis" },
@@ -80,24 +81,52 @@ export class LibraryEntry extends HTMLElement {
   #edit() {
     remember("edit", "1");
     show(this.#tools);
+    const model = this.#model();
     const form = /** @type {LibraryForm} */ (h("tb-library-form"));
-    form.addEventListener("keep", (event) => void this.#save(form, /** @type {CustomEvent} */ (event).detail));
-    form.addEventListener("leave", () => this.bind(this.#item, this.#known, false));
-    form.addEventListener("drawn", (event) => this.#drawing.bind(this.#item.kind, /** @type {CustomEvent} */ (event).detail.value, this.#known.templates));
+    form.addEventListener("keep", () => void this.#save(form, model));
+    form.addEventListener("leave", () => this.#discard());
+    form.addEventListener("drawn", () => this.#draw(model.content.value));
     show(this.#place, form);
-    form.bind(this.#item, this.#known.templates, this.#known.document);
+    form.bind(model, this.#known.document);
+    this.#draw(model.content.value);
+  }
+
+  /** What is edited: as it is saved, or the draft of a visit before. */
+  #model() {
+    return new LibraryEdit(this.#item, this.#known.templates);
+  }
+
+  #discard() {
+    this.#model().restart();
+    show(this.#said);
+    this.bind(this.#item, this.#known, false);
+  }
+
+  /** @param {any} value */
+  #draw(value) {
+    this.#drawing.bind(this.#item.kind, value, this.#known.templates);
+  }
+
+  /** Where changes wait that nobody saved: the ways to go on. */
+  #unsaved() {
+    if (this.#item.built_in || this.#model().resumed === null) return null;
+    return h("div", { class: "notice wait" },
+      h("p", null, "Changes of this entry wait to be saved. ",
+        h("button", { type: "button", class: "link", onclick: () => this.#edit() }, "Go on editing"), " or ",
+        h("button", { type: "button", class: "link", onclick: () => this.#discard() }, "discard them"), ".")); // prettier-ignore
   }
 
   /**
    * @param {LibraryForm} form
-   * @param {Entry} entry
+   * @param {LibraryEdit} model
    */
-  async #save(form, entry) {
+  async #save(form, model) {
     form.busy = true;
     try {
-      const saved = await api.changeEntry(this.#item.kind, this.#item.id, entry);
+      const saved = await api.changeEntry(this.#item.kind, this.#item.id, model.entry);
+      model.restart();
       show(this.#said);
-      this.bind(saved, this.#known, false);
+      if (this.isConnected) this.bind(saved, this.#known, false);
     } catch (error) {
       form.busy = false;
       const findings = error instanceof ApiError ? error.findings : [];
@@ -109,7 +138,7 @@ export class LibraryEntry extends HTMLElement {
   async #clone() {
     await this.#changing(async () => {
       const made = await api.addEntry(this.#item.kind, copyOf(this.#item));
-      location.hash = `${link("library", made.kind, made.id)}?edit=1`;
+      if (this.isConnected) location.hash = `${link("library", made.kind, made.id)}?edit=1`;
     });
   }
 
@@ -118,7 +147,8 @@ export class LibraryEntry extends HTMLElement {
     if (!(await confirmed({ question: `Delete “${this.#item.name}”?`, words, action: "Delete" }))) return;
     await this.#changing(async () => {
       await api.removeEntry(this.#item.kind, this.#item.id);
-      location.hash = link("library", this.#item.kind);
+      this.#model().restart();
+      if (this.isConnected) location.hash = link("library", this.#item.kind);
     });
   }
 

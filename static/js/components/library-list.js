@@ -122,7 +122,7 @@ function card(kind, item) {
       "span",
       { class: "row library-marks" },
       h("span", { class: item.built_in ? "tag" : "tag running" }, item.built_in ? "Built in" : "Yours"),
-      assumed > 0 && h("span", { class: "tag queued" }, `${assumed} to mind`),
+      assumed > 0 && h("span", { class: "tag queued" }, `${assumed} remark${assumed > 1 ? "s" : ""}`),
     ),
   );
 }

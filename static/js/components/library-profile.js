@@ -5,6 +5,8 @@ import { number } from "../format.js";
 import { profileOf } from "../irregularity-profile.js";
 
 const [WIDTH, HEIGHT] = [720, 250];
+/** What an axis spans where the profile has no height. [m] */
+const FLAT = 1e-3;
 const PLOT = { left: 62, right: 16, top: 16, bottom: 44 };
 
 export class LibraryProfile extends HTMLElement {
@@ -17,7 +19,7 @@ export class LibraryProfile extends HTMLElement {
     }
     const { x, r, words } = profile;
     const low = Math.min(0, ...r) * 1.15;
-    const high = Math.max(0, ...r) * 1.15;
+    const high = Math.max(0, ...r) * 1.15 || (low ? 0 : FLAT);
     const across = scale(x[0], x[x.length - 1], PLOT.left, WIDTH - PLOT.right);
     const up = scale(low, high, HEIGHT - PLOT.bottom, PLOT.top);
     const points = x.map((place, index) => `${across(place).toFixed(2)} ${up(r[index]).toFixed(2)}`);

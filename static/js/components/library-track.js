@@ -18,6 +18,10 @@ export class LibraryTrack extends HTMLElement {
       return;
     }
     const { sleeper_spacing: bay, sleeper_height: height, ballast_depth: depth } = track;
+    if (![bay, height, depth].every((size) => size > 0)) {
+      show(this, h("p", { class: "soft" }, "This track cannot be drawn: its sleepers and ballast need sizes."));
+      return;
+    }
     const end = (SLEEPERS - 1) * bay;
     const left = -bay * 0.7;
     const width = end + bay * 1.4 + 0.75;

@@ -18,6 +18,10 @@ export class LibraryTrain extends HTMLElement {
     const layout = layoutOf({ train });
     const loads = axleLoads(train);
     const axles = layout.axles.length ? layout.axles : layout.masses;
+    if (!axles.length) {
+      show(this, h("p", { class: "soft" }, "This train cannot be drawn: a name in its consist is none of its vehicle types."));
+      return;
+    }
     const back = Math.min(...axles, ...layout.cars.map((car) => car.back)) - MARGIN;
     const front = Math.max(...axles, ...layout.cars.map((car) => car.front)) + MARGIN;
     const groups = axleGroups(loads);

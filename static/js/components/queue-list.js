@@ -29,6 +29,7 @@ export class QueueList extends HTMLElement {
   #draw() {
     const all = [...this.#jobs.values()].sort((a, b) => order(a) - order(b));
     this.classList.add("card", "panel");
+    const focused = this.contains(document.activeElement) && document.activeElement?.getAttribute("href");
     show(
       this,
       h("h2", null, "Queue"),
@@ -37,6 +38,7 @@ export class QueueList extends HTMLElement {
         : h("p", { class: "soft" }, "Empty: the next job begins at once."),
       all.length > ROWS && h("p", { class: "soft small" }, `and ${all.length - ROWS} more`),
     );
+    if (focused) /** @type {HTMLElement | null} */ (this.querySelector(`a[href="${focused}"]`))?.focus();
   }
 }
 

@@ -4,6 +4,7 @@ import { h, show } from "../dom.js";
 import { NOTHING } from "../form-plan.js";
 import { FORMULAS, titleOf } from "../titles.js";
 import { findingLines, wasLine } from "./finding-lines.js";
+import { unfold } from "./study-focus.js";
 
 /** @typedef {import("../form-plan.js").ChoiceNode} ChoiceNode */
 /** @typedef {import("../types.js").Finding} Finding */
@@ -84,6 +85,7 @@ export class StudyChoice extends HTMLElement {
   }
 
   focus() {
+    unfold(this);
     /** @type {HTMLElement | null} */ (this.querySelector("input:checked") ?? this.querySelector("input"))?.focus();
   }
 

@@ -25,9 +25,9 @@ export class StudyDrawing extends HTMLElement {
     const scope = kind === "modes" ? (study.modes?.part ?? "viaduct") : "crossing";
     this.#elevation.scope = scope;
     this.#elevation.study = study;
-    this.#section.loaded = scope === "crossing" || scope === "train";
+    this.#section.loaded = scope === "crossing";
     this.#section.study = study;
-    this.#section.hidden = scope === "track";
+    this.#section.hidden = scope === "track" || scope === "train"; // these have no deck
     const marked = scope === "crossing";
     const judged = marked && layoutOf(study).points.some((point) => point.judged);
     const defect = marked && Number.isFinite(study.irregularity?.position);

@@ -1,5 +1,5 @@
 // @ts-check
-/** The focus stays where it was when the inputs of a form are drawn anew. */
+/** Where the focus is in a form: it stays when the inputs are drawn anew, and no fold hides it. */
 
 /** Where the focus is: at which input, cell or library. @param {HTMLElement} form */
 export function focusOf(form) {
@@ -24,4 +24,9 @@ export function refocus(form, focused) {
       ? form.querySelector(`[data-pointer="${CSS.escape(place)}"]`)
       : library && form.querySelector(`#${CSS.escape(library)}`); // its list is read again first
   /** @type {HTMLElement | null} */ (target || null)?.focus();
+}
+
+/** Opens every fold around an element. @param {HTMLElement} element */
+export function unfold(element) {
+  for (let folded = element.closest("details"); folded; folded = folded.parentElement?.closest("details") ?? null) folded.open = true;
 }

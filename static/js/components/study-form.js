@@ -10,7 +10,7 @@ import { schemaAt } from "../schema.js";
 import { folded, inputs, sectionsOf } from "../sections.js";
 import { same } from "../difference.js";
 import { LibraryChoice, libraryKind } from "./library-choice.js";
-import { focusOf, refocus } from "./study-focus.js";
+import { focusOf, refocus, unfold } from "./study-focus.js";
 import { StudyChoice } from "./study-choice.js";
 import { nodeElements } from "./study-nodes.js";
 
@@ -19,6 +19,9 @@ import { nodeElements } from "./study-nodes.js";
 /** @typedef {import("../sections.js").Section} Section */
 /** @typedef {import("../study-model.js").StudyModel} StudyModel */
 /** @typedef {import("./study-nodes.js").Place} Place */
+
+/** Name of the fold around what the job does not read. */
+const UNREAD = "unread";
 
 export class StudyForm extends HTMLElement {
   /** @type {StudyModel | null} */
@@ -40,7 +43,9 @@ export class StudyForm extends HTMLElement {
     if (!model) return;
     const focused = focusOf(this);
     const keys = Object.keys(model.schema.properties ?? {});
-    show(this, this.#name(model), sectionsOf(keys, model.kind).map((section) => this.#section(section, model)));
+    const sections = sectionsOf(keys, model.kind, model.study.modes?.part);
+    const drawn = /** @param {boolean} read */ (read) => sections.filter((section) => section.read === read).map((section) => this.#section(section, model));
+    show(this, this.#name(model), drawn(true), this.#unread(drawn(false)));
     this.place(this.#findings.errors, this.#findings.warnings);
     this.refresh();
     refocus(this, focused);
@@ -68,9 +73,21 @@ export class StudyForm extends HTMLElement {
     }
   }
 
-  /** The sections as they are drawn, for the links that lead to them. @returns {HTMLElement[]} */
+  /** The sections that the job reads, for the links that lead to them. @returns {HTMLElement[]} */
   get sections() {
-    return [.../** @type {NodeListOf<HTMLElement>} */ (this.querySelectorAll("section[id]"))];
+    return [.../** @type {NodeListOf<HTMLElement>} */ (this.querySelectorAll(":scope > section[id]"))];
+  }
+
+  /**
+   * Puts the focus at the input of a pointer, unfolded and in the middle of the page.
+   *
+   * @param {string} pointer
+   */
+  reach(pointer) {
+    const home = nearest(pointer, this.#places().map((item) => item.dataset.pointer ?? ""));
+    const place = this.#places().find((item) => item.dataset.pointer === home);
+    place?.focus();
+    place?.scrollIntoView({ block: "center" });
   }
 
   /** Whether an input holds no value at all. */
@@ -99,8 +116,7 @@ export class StudyForm extends HTMLElement {
     for (const place of places) {
       const own = /** @param {Finding} finding */ (finding) => home(finding) === place.dataset.pointer;
       place.place(errors.filter(own), warnings.filter(own));
-      const hidden = errors.some(own) ? place.closest("details") : null;
-      if (hidden) hidden.open = true;
+      if (errors.some(own)) unfold(place);
     }
     const lost = /** @param {Finding} finding */ (finding) => home(finding) === null;
     return { errors: errors.filter(lost), warnings: warnings.filter(lost) };
@@ -141,16 +157,27 @@ export class StudyForm extends HTMLElement {
     ); // prettier-ignore
   }
 
+  /** What a modal analysis does not look at, folded. @param {(HTMLElement | null)[]} sections */
+  #unread(sections) {
+    if (!sections.length) return null;
+    const head = h("summary", null, "Not used by this modal analysis", h("span", { class: "soft small" }, `${sections.length} sections`));
+    return h("details", { class: "unread", ...this.#fold(UNREAD) }, head, sections);
+  }
+
+  /** A fold that stays as it was when the inputs are drawn anew. @param {string} name */
+  #fold(name) {
+    return {
+      open: this.#open.has(name),
+      ontoggle: (/** @type {any} */ event) => event.target === event.currentTarget && this.#open[event.target.open ? "add" : "delete"](name),
+    };
+  }
+
   /** @param {Section} section @param {Node[]} nodes @param {StudyModel} model */
   #advanced(section, nodes, model) {
     const count = nodes.reduce((sum, node) => sum + inputs(node), 0);
     return h(
       "details",
-      {
-        class: "advanced",
-        open: this.#open.has(section.name),
-        ontoggle: (/** @type {any} */ event) => this.#open[event.target.open ? "add" : "delete"](section.name),
-      },
+      { class: "advanced", ...this.#fold(section.name) },
       h("summary", null, `${section.title}, advanced`, h("span", { class: "soft small" }, `${count} more input${count > 1 ? "s" : ""}`)),
       nodeElements(nodes, model.study),
     );

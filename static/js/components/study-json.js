@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * The study as JSON, to read, edit and paste; errors beside their lines. Emits `source` {value} where
+ * A study or a part of one as JSON, to read, edit and paste; errors beside their lines. Emits `source` {value} where
  * the text can be read, `unreadable` where not.
  */
 import { h, show } from "../dom.js";
@@ -12,6 +12,7 @@ import { sentence } from "./finding-lines.js";
 /** @typedef {{ line: number, text: string, kind: "error" | "warning" }} Remark */
 
 export class StudyJson extends HTMLElement {
+  #label = h("label", { for: "study-json" }, "The study as JSON, all values in SI units");
   #numbers = h("div", { class: "line-numbers", "aria-hidden": "true" });
   #text = h("textarea", { id: "study-json", spellcheck: "false", autocomplete: "off", wrap: "off", "aria-describedby": "study-json-remarks" });
   #remarks = h("ol", { class: "remarks-by-line", id: "study-json-remarks", role: "status" });
@@ -27,13 +28,18 @@ export class StudyJson extends HTMLElement {
     this.#text.addEventListener("scroll", () => this.#follow());
     show(
       this,
-      h("label", { for: "study-json" }, "The study as JSON, all values in SI units"),
+      this.#label,
       h("div", { class: "source card" }, this.#numbers, this.#text),
       this.#remarks,
     );
   }
 
-  /** @param {Study} study */
+  /** What the text is, in words. @param {string} words */
+  set called(words) {
+    show(this.#label, `${words} as JSON, all values in SI units`);
+  }
+
+  /** @param {Study} study or part */
   set study(study) {
     const text = JSON.stringify(study, null, 2);
     if (text === this.#text.value) return;

@@ -3,7 +3,7 @@
 import { h } from "../dom.js";
 import { ago } from "../format.js";
 
-/** @typedef {import("../study-model.js").StudyModel} StudyModel */
+/** When a draft was kept that came back [ms], and the way back. @typedef {{ resumed: number | null, restart: () => void }} Resumed */
 
 /** Cells that are named; the others are counted. */
 const NAMED = 6;
@@ -11,8 +11,8 @@ const NAMED = 6;
 /**
  * Changes of a visit before, and the way back to the beginning.
  *
- * @param {StudyModel} model
- * @param {string} called where the study came from
+ * @param {Resumed} model
+ * @param {string} called where it came from
  * @param {() => void} close
  */
 export function resumedNotice(model, called, close) {

@@ -10,13 +10,17 @@ import { sentence } from "./finding-lines.js";
 /** @typedef {import("../types.js").Finding} Finding */
 /** @typedef {import("../types.js").Estimate} Estimate */
 
+/** Derived values that the cost says already. */
+const SAID = ["unknowns", "steps"];
+
 export class StudyReport extends HTMLElement {
   /**
    * @param {Report | null} report
    * @param {{ errors: Finding[] }} elsewhere those that no input shows
    */
   update(report, { errors }) {
-    const { estimate = null, warnings = [], derived = {} } = report ?? {};
+    const { estimate = null, warnings = [] } = report ?? {};
+    const derived = Object.entries(report?.derived ?? {}).filter(([name]) => !(estimate && SAID.includes(name)));
     this.hidden = !report?.estimate && !errors.length;
     show(
       this,
@@ -25,8 +29,8 @@ export class StudyReport extends HTMLElement {
       ),
       estimate && cost(estimate),
       warnings.map((finding) => h("div", { class: "notice wait" }, h("p", null, h("strong", null, subject(finding)), ": ", sentence(finding)))),
-      Object.keys(derived).length > 0 &&
-        h("section", { class: "derived" }, h("h3", null, "What follows"), h("dl", null, Object.entries(derived).map(([name, item]) => row(item.title || words(name), item)))),
+      derived.length > 0 &&
+        h("section", { class: "derived" }, h("h3", null, "What follows"), h("dl", null, derived.map(([name, item]) => row(item.title || words(name), item)))),
     );
   }
 }
@@ -42,7 +46,7 @@ function cost(estimate) {
       fact("Memory", bytes(estimate.memory_bytes)),
       fact("Disk", bytes(estimate.disk_bytes)),
       fact("Unknowns", number(estimate.unknowns, 4)),
-      fact("Steps", number(estimate.steps, 6)),
+      (estimate.steps ?? 0) > 1 && fact(runs > 1 ? "Steps, all runs" : "Steps", number(estimate.steps, 6)),
     ),
     estimate.basis && h("p", { class: "soft small" }, `Basis: ${estimate.basis}.`),
   ];

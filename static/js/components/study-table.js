@@ -11,6 +11,7 @@ import { at, keyed, withValue } from "../pointer.js";
 import { isTransposed, pasted, rowName } from "../table-edit.js";
 import { words } from "../titles.js";
 import { findingLines, wasLine } from "./finding-lines.js";
+import { unfold } from "./study-focus.js";
 
 /** @typedef {import("../form-plan.js").TableNode} TableNode */
 /** @typedef {import("../types.js").Finding} Finding */
@@ -80,15 +81,15 @@ export class StudyTable extends HTMLElement {
   }
 
   focus() {
-    for (let folded = this.closest("details"); folded; folded = folded.parentElement?.closest("details") ?? null) folded.open = true;
+    unfold(this);
     /** @type {HTMLElement | null} */ (this.querySelector('[aria-invalid="true"]') ?? this.querySelector("[data-cell]"))?.focus();
   }
 
   /** @param {TableNode} node */
   #buttons(node) {
-    const add = () => this.#send([...this.#rows, structuredClone(this.#rows[this.#rows.length - 1] ?? node.blank)], true);
+    const add = () => this.#send([...this.#rows, structuredClone(this.#rows.at(-1) ?? node.blank)], true);
     const remove = () => this.#send(this.#rows.slice(0, -1), true);
-    const copy = () => void navigator.clipboard?.writeText(asTabs(this.#lines(node)));
+    const copy = () => void navigator.clipboard?.writeText(asTabs(this.#lines(node))).catch(() => {}); // refused: nothing is copied
     return [
       h("button", { type: "button", class: "small-button", onclick: copy, "aria-label": `Copy ${node.title} for a spreadsheet` }, "Copy table"),
       h("button", { type: "button", class: "small-button", onclick: remove, disabled: node.count <= node.least, "aria-label": `Remove the last of ${node.title}` }, "Remove last"),
@@ -163,9 +164,8 @@ export class StudyTable extends HTMLElement {
     if (!node || !isTable(text)) return;
     event.preventDefault();
     const { rows, refused } = pasted(this.#rows, node.columns, cellsOf(text), cell, node);
-    // First what was refused: the change draws every table anew, this one is gone then.
     if (refused.length) this.dispatchEvent(new CustomEvent("refused", { detail: { refused }, bubbles: true }));
-    this.#send(rows, true);
+    this.#send(rows, true); // last: every table is drawn anew, this one is gone then
   }
 
   /** Up and down as in a spreadsheet. @param {KeyboardEvent} event */

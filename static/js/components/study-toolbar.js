@@ -1,10 +1,13 @@
 // @ts-check
 /** Above the form: form or JSON, undo and redo, what changed, the way to each section. */
 import { h, s, show } from "../dom.js";
+import { segments } from "./segments.js";
 
 /** @typedef {{ canUndo: boolean, canRedo: boolean, changes: number, called: string }} Standing */
 /** @typedef {{ undo: () => void, redo: () => void, restart: () => void, copy: () => void, view: (name: string) => void }} Deeds */
 
+/** How a study or a part of one can be edited: value and words. @type {[string, string][]} */
+export const VIEWS = [["form", "Form"], ["json", "JSON"]]; // prettier-ignore
 const UNDO = "M4 5.5H10a3.6 3.6 0 0 1 0 7.2H6M6.6 2.6L3.6 5.5l3 2.9";
 
 export class StudyToolbar extends HTMLElement {
@@ -19,12 +22,10 @@ export class StudyToolbar extends HTMLElement {
     this.#undo.addEventListener("click", deeds.undo);
     this.#redo.addEventListener("click", deeds.redo);
     this.#restart.addEventListener("click", deeds.restart);
-    const tab = /** @param {string} name @param {string} title @param {boolean} checked */ (name, title, checked) =>
-      h("label", null, h("input", { type: "radio", name: "view", value: name, checked, onchange: () => deeds.view(name) }), h("span", null, title));
     show(
       this,
       h("div", { class: "tools" },
-        h("div", { class: "segments", role: "radiogroup", "aria-label": "Edit as" }, tab("form", "Form", true), tab("json", "JSON", false)),
+        segments({ legend: "Edit as", options: VIEWS, chosen: "form", choose: deeds.view }),
         h("div", { class: "row tight" }, this.#undo, this.#redo),
         this.#changes,
         this.#restart,
@@ -35,7 +36,7 @@ export class StudyToolbar extends HTMLElement {
 
   /** What is shown, "form" or "json". @param {string} name */
   set view(name) {
-    for (const input of /** @type {NodeListOf<HTMLInputElement>} */ (this.querySelectorAll("input[name=view]"))) input.checked = input.value === name;
+    for (const input of /** @type {NodeListOf<HTMLInputElement>} */ (this.querySelectorAll(".segments input"))) input.checked = input.value === name;
     this.classList.toggle("json", name === "json");
   }
 

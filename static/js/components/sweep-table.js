@@ -35,8 +35,8 @@ export class SweepTable extends HTMLElement {
    * @param {string} chosen
    */
   #row({ run, verdict }, chosen) {
-    const show = () => this.dispatchEvent(new CustomEvent("choose", { detail: { run }, bubbles: true }));
-    const button = h("button", { type: "button", class: "link", onclick: show }, speed(verdict.speed));
+    const choose = () => this.dispatchEvent(new CustomEvent("choose", { detail: { run }, bubbles: true }));
+    const button = h("button", { type: "button", class: "link", onclick: choose }, speed(verdict.speed));
     return h(
       "tr",
       { "aria-current": run === chosen && "true" },

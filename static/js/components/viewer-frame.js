@@ -14,6 +14,8 @@ import { webGraphics } from "../graphics.js";
 import { store } from "../store.js";
 import { currentTheme } from "../theme.js";
 import { ViewerEmbed } from "../viewer-embed.js";
+import { ViewerHealth } from "../viewer-health.js";
+import { looksOf } from "../viewer-looks.js";
 import { ViewerSession } from "../viewer-session.js";
 
 /** @typedef {import("../run-view.js").RunView} RunView */
@@ -22,8 +24,6 @@ import { ViewerSession } from "../viewer-session.js";
 
 /** [ms] */
 const SET_RIGHT = 2000;
-/** What a view lacks for more looks than this, connection or colours, it will not get by itself. */
-const PATIENCE = 2;
 
 export class ViewerFrame extends HTMLElement {
   #run = "";
@@ -33,9 +33,9 @@ export class ViewerFrame extends HTMLElement {
   #session = null;
   #ended = new AbortController();
   #lastSync = 0;
-  #alone = 0;
-  #plain = 0;
-  #paused = false;
+  #health = new ViewerHealth();
+  /** Whether the last session was refused or lost. */
+  #refused = false;
   /** A scale that suits the run; null leaves the viewer its own. @type {number | null} */
   #proposed = null;
   /** @type {ViewerEmbed | null} */
@@ -58,10 +58,12 @@ export class ViewerFrame extends HTMLElement {
     show(this, h("div", { class: "viewer-stage" }, this.#place, this.#bar, this.#message), this.#controls);
     const signal = this.#ended.signal;
     view.cursor.addEventListener("change", (event) => this.#follow(/** @type {CustomEvent} */ (event).detail), { signal });
-    view.watch(["colour", "scale", "camera", "hidden", "mode"], () => this.#steer(this.#looks()), signal);
+    view.watch(["colour", "scale", "camera", "hidden", "mode", "place"], () => this.#steer(this.#looks()), signal);
     store.watch("theme", () => this.#steer({ theme: currentTheme() }), signal);
-    store.watch("connected", (connected) => connected && this.#embedded?.wake(), signal);
+    store.watch("connected", (connected) => connected && this.#repeat(), signal);
     addEventListener("pagehide", () => this.#session?.close(), { signal });
+    // The page comes back from the browser's memory, its session does not.
+    addEventListener("pageshow", ({ persisted }) => persisted && this.#session && this.#lost(), { signal });
   }
 
   disconnectedCallback() {
@@ -75,34 +77,37 @@ export class ViewerFrame extends HTMLElement {
     this.#run = run;
     this.stills.run = run;
     this.#controls.run = run;
-    this.#session?.steer({ run, ...this.#view?.cursor.state, ...this.#looks() });
+    this.#repeat();
   }
 
   /** A scale at which the deformation is well seen; what somebody chose stays. @param {number} scale */
   propose(scale) {
     if (this.#proposed === scale) return;
     this.#proposed = scale;
+    this.stills.scale = scale;
     if (webGraphics() === "none") this.#controls.plain = scale;
     this.#steer(this.#looks());
   }
 
   /**
-   * Asks the server for a viewing session and shows it.
+   * Asks the server for a viewing session and shows it. What was refused or lost opens again where
+   * somebody asks for it, not with each step of the computation.
    *
-   * @param {{ computing?: boolean }} [options] a browser that draws in software would take the
+   * @param {{ computing?: boolean, asked?: boolean }} [options] a browser that draws in software would take the
    *   processor from a run that still computes: then it waits for a press or for the end
    */
-  async start({ computing = false } = {}) {
-    if (this.#session || !this.isConnected) return;
+  async start({ computing = false, asked = false } = {}) {
+    if (this.#session || !this.isConnected || (this.#refused && !asked)) return;
     const graphics = webGraphics();
     if (graphics === "none") return this.#paint();
     if (computing && graphics === "software") {
-      this.#message.say("This browser draws 3D in software, which slows the computation down. The view opens when the run is done.", "Watch it now", () => void this.start());
+      this.#message.say("This browser draws 3D in software, which slows the computation down. The view opens when the run is done.", "Watch it now", this.#open);
       return;
     }
+    this.#refused = false;
     this.#message.say("");
-    const session = new ViewerSession();
-    this.#session = session;
+    const session = (this.#session = new ViewerSession());
+    this.#health = new ViewerHealth();
     session.addEventListener("state", (event) => this.#take(/** @type {CustomEvent} */ (event).detail));
     session.addEventListener("lost", () => this.#lost());
     try {
@@ -111,9 +116,12 @@ export class ViewerFrame extends HTMLElement {
       else session.close();
     } catch (error) {
       this.#session = null;
-      this.#message.say(`No 3D view: ${/** @type {Error} */ (error).message}`, "Try again", () => void this.start());
+      this.#refused = true;
+      this.#message.say(`No 3D view: ${/** @type {Error} */ (error).message}`, "Try again", this.#open);
     }
   }
+
+  #open = () => void this.start({ asked: true });
 
   /** The server draws: what can be chosen of it is less. */
   #paint() {
@@ -125,7 +133,7 @@ export class ViewerFrame extends HTMLElement {
   /** @param {string} url */
   #embed(url) {
     const embed = (this.#embedded = new ViewerEmbed(url));
-    embed.addEventListener("ready", () => this.#steer({ ...this.#view?.cursor.state, ...this.#looks() }));
+    embed.addEventListener("ready", () => this.#repeat());
     embed.addEventListener("press", () => void this.#pick());
     show(this.#place, embed.element);
   }
@@ -137,16 +145,13 @@ export class ViewerFrame extends HTMLElement {
 
   /** What was chosen, as far as this run can show it. @returns {Steering} */
   #looks() {
-    const { colour, scale, camera, hidden, mode } = /** @type {RunView} */ (this.#view).look;
-    const state = this.#session?.state;
-    const size = scale ?? this.#proposed;
-    return {
-      ...(size !== null && { scale: size }),
-      ...(state?.available_colours.includes(colour) && { colour }),
-      ...(state && camera && camera !== state.camera && { camera }),
-      ...(state?.modal && { mode: mode - 1 }),
-      ...(state && { layers: state.available_layers.filter((name) => !hidden.includes(name)) }),
-    };
+    return looksOf(/** @type {RunView} */ (this.#view).look, this.#proposed, this.#session?.state);
+  }
+
+  /** Says everything again, where the viewer may have missed some. */
+  #repeat() {
+    this.#embedded?.wake();
+    this.#steer({ run: this.#run, ...this.#view?.cursor.state, ...this.#looks() });
   }
 
   /** @param {ViewerState} state */
@@ -156,24 +161,15 @@ export class ViewerFrame extends HTMLElement {
     this.#controls.state = state;
     this.#bar.bar = state.colour_bar;
     this.dataset.session = state.session;
-    if (first) this.#steer(this.#looks());
-    this.#obey(state);
-    this.#alone = state.clients > 0 ? 0 : this.#alone + 1;
-    if (this.#alone > PATIENCE) this.#embedded?.wake();
-    const plain = state.colour !== "none" && state.smooth && state.clients > 0 && this.#embedded?.smooth === false;
-    this.#plain = plain ? this.#plain + 1 : 0;
-    // A page that shows no colours per vertex gets one colour for each element.
-    if (this.#plain > PATIENCE) this.#steer({ smooth: false });
-  }
-
-  /** The server may stop a view that has played longest, for another one. @param {ViewerState} state */
-  #obey({ paused }) {
+    // A run that had no step yet when it was chosen is there by now.
+    if (first || state.run !== this.#run) this.#repeat();
+    const { wake, simplify, halted, resumed } = this.#health.examine(state, this.#embedded?.smooth);
     const cursor = this.#view?.cursor;
-    if (paused && !this.#paused) {
-      cursor?.pause();
-      this.#message.say(paused, "Resume", () => cursor?.play());
-    } else if (!paused && this.#paused) this.#message.say("");
-    this.#paused = paused !== "";
+    if (halted) cursor?.pause();
+    if (halted) this.#message.say(state.paused, "Resume", () => cursor?.play());
+    if (resumed) this.#message.say("");
+    if (wake) this.#embedded?.wake();
+    if (simplify) this.#steer({ smooth: false });
   }
 
   /** @param {{ time: number, playing: boolean, rate: number, reason: string }} state */
@@ -190,9 +186,11 @@ export class ViewerFrame extends HTMLElement {
   #lost() {
     this.#session = null;
     this.#embedded = null;
+    this.#refused = true;
     this.#controls.hidden = true;
+    delete this.dataset.session;
     show(this.#place);
-    this.#message.say("The 3D view was closed after a pause.", "Open it again", () => void this.start());
+    this.#message.say("The 3D view was closed after a pause.", "Open it again", this.#open);
   }
 }
 

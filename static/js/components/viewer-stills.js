@@ -6,6 +6,7 @@
 import { Elevation } from "./elevation.js";
 import { stillUrl } from "../api.js";
 import { h, show } from "../dom.js";
+import { store } from "../store.js";
 import { currentTheme } from "../theme.js";
 
 /** @typedef {import("../run-view.js").RunView} RunView */
@@ -23,6 +24,8 @@ export class ViewerStills extends HTMLElement {
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #timer;
   #wanted = "";
+  /** @type {number | null} */
+  #scale = null;
   #image = h("img", { class: "still", alt: "" });
   #side = /** @type {Elevation} */ (h("tb-elevation"));
   #drawing = h("div", { class: "drawing", hidden: true }, this.#side);
@@ -39,6 +42,7 @@ export class ViewerStills extends HTMLElement {
     const signal = this.#ended.signal;
     view.cursor.addEventListener("change", () => this.#follow(), { signal });
     view.watch(["colour", "scale", "camera", "mode"], () => this.#follow(), signal);
+    store.watch("theme", () => this.#follow(), signal);
     this.#image.addEventListener(
       "load",
       () => {
@@ -59,6 +63,12 @@ export class ViewerStills extends HTMLElement {
   /** @param {string} run */
   set run(run) {
     this.#run = run;
+    this.#follow();
+  }
+
+  /** A scale that suits the run; what somebody chose counts more. @param {number} scale */
+  set scale(scale) {
+    this.#scale = scale;
     this.#follow();
   }
 
@@ -92,7 +102,8 @@ export class ViewerStills extends HTMLElement {
     if (!view) return;
     if (this.#motion.speed > 0) this.#side.front = this.#motion.start + this.#motion.speed * view.cursor.time;
     if (!this.#running) return;
-    const { colour, camera, scale, mode } = view.look;
+    const { colour, camera, mode } = view.look;
+    const scale = view.look.scale ?? this.#scale;
     this.#wanted = stillUrl(this.#run, {
       time: Number(view.cursor.time.toFixed(4)),
       theme: currentTheme(),

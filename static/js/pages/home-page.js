@@ -51,12 +51,16 @@ export class HomePage extends HTMLElement {
   }
 
   async #load() {
+    /** Jobs that change while the lists are on their way. @type {Map<string, Job> | null} */
+    let early = new Map();
+    store.watch("job", (job) => (early ? early.set(job.id, job) : this.#update(job)), this.#ended.signal);
     try {
       const [templates, jobs, waiting] = await Promise.all([api.templates(), api.jobs(), api.findJobs({ states: ["running", "queued"], name: "" })]);
       show(this.#cards, templates.items.map(card));
       this.#jobs.page = jobs;
       this.#queue.jobs = waiting.items;
-      store.watch("job", (job) => this.#update(job), this.#ended.signal);
+      early.forEach((job) => this.#update(job));
+      early = null;
       void this.#ask();
     } catch (error) {
       show(this.#cards);
@@ -88,7 +92,7 @@ export class HomePage extends HTMLElement {
     card.busy = true;
     try {
       const job = await api.submit({ kind: template.kind ?? "crossing", study: template.study });
-      location.hash = link("jobs", job.id);
+      if (this.isConnected) location.hash = link("jobs", job.id); // whoever left meanwhile is not called back
     } catch (error) {
       card.busy = false;
       this.#complain(error);

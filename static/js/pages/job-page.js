@@ -3,22 +3,19 @@
 import { JobDesk } from "../components/job-desk.js";
 import { JobHead } from "../components/job-head.js";
 import { JobTrouble } from "../components/job-trouble.js";
-import { complaint, verdictBars, verdictsOf } from "../components/job-results.js";
+import { Verdicts, complaint, verdictBars } from "../components/job-results.js";
 import { RunProgress } from "../components/run-progress.js";
 import { api } from "../api.js";
 import { h, show } from "../dom.js";
 import { actOn } from "../job-actions.js";
-import { begunAgain, worst } from "../job-words.js";
+import { begunAgain, endedRuns, isActive, shownRun, tabTitle, worst } from "../job-words.js";
 import { link, parse } from "../router.js";
 import { RunView } from "../run-view.js";
 import { store } from "../store.js";
 
 /** @typedef {import("../types.js").Job} Job */
 /** @typedef {import("../types.js").Run} Run */
-/** @typedef {import("../job-words.js").Judged} Judged */
 /** @typedef {import("../router.js").Route} Route */
-
-const ACTIVE = new Set(["queued", "running"]);
 
 export class JobPage extends HTMLElement {
   /** @type {Route} */
@@ -28,9 +25,11 @@ export class JobPage extends HTMLElement {
   #known = null;
   /** The run that the page proposes while nobody has chosen one. */
   #proposed = "";
+  /** Whether the job could not be asked for. */
+  #missed = false;
   #library = "";
-  /** @type {Judged[]} */
-  #judged = [];
+  #verdicts = new Verdicts();
+  #asked = 0; // for results: only the last answer counts
   /** @type {RunView | null} */
   #view = null;
   #head = /** @type {JobHead} */ (h("tb-job-head", { class: "job-head" }));
@@ -43,10 +42,9 @@ export class JobPage extends HTMLElement {
   connectedCallback() {
     const signal = this.#ended.signal;
     this.#view = new RunView(this.route.query);
-    const home = h("a", { href: link("home") }, "Home");
     show(
       this,
-      h("nav", { class: "crumb", "aria-label": "Path" }, home, " / ", h("a", { href: link("jobs") }, "Jobs"), " / This job"),
+      h("nav", { class: "crumb", "aria-label": "Path" }, h("a", { href: link("home") }, "Home"), " / ", h("a", { href: link("jobs") }, "Jobs"), " / This job"),
       this.#head,
       this.#state,
       this.#trouble,
@@ -60,9 +58,12 @@ export class JobPage extends HTMLElement {
     this.#view.watch(["run"], () => this.#known && this.#enter(this.#known), signal);
     addEventListener("hashchange", () => this.#reopen(), { signal });
     void this.#load(signal);
+    // A server that was away when the page opened may be back.
+    store.watch("connected", (connected) => connected && this.#missed && void this.#load(signal), signal);
   }
 
   disconnectedCallback() {
+    this.#view?.close();
     this.#ended.abort();
   }
 
@@ -72,21 +73,23 @@ export class JobPage extends HTMLElement {
 
   /** The run that is shown. @returns {string} */
   get #run() {
-    const chosen = this.#view?.look.run ?? "";
-    const runs = this.#known?.runs ?? [];
-    return (runs.find(({ id }) => id === chosen) ?? runs.find(({ id }) => id === this.#proposed) ?? runs.find(({ progress }) => progress?.step) ?? runs[0])?.id ?? "";
+    return shownRun(this.#known?.runs ?? [], this.#view?.look.run ?? "", this.#proposed);
   }
 
   /** @param {AbortSignal} signal */
   async #load(signal) {
+    this.#missed = false;
     try {
       this.#library = (await store.get("meta")).plotly_url;
       const job = await api.job(this.#id);
       if (signal.aborted) return;
+      show(this.#state);
       this.#update(job);
       store.watch(`job:${job.id}`, (news) => this.#update(news), signal);
     } catch (error) {
+      if (signal.aborted) return;
       const unknown = /** @type {any} */ (error).status === 404;
+      this.#missed = !unknown;
       show(this.#state, complaint(unknown ? "There is no such job here. It may have been removed." : error));
     }
   }
@@ -104,14 +107,12 @@ export class JobPage extends HTMLElement {
   #update(job) {
     const before = this.#known;
     // An answer that was overtaken by the event stream must not turn the time back; a retry may.
-    if (before && !ACTIVE.has(before.state) && ACTIVE.has(job.state) && !begunAgain(before, job)) return;
+    if (before && !isActive(before) && isActive(job) && !begunAgain(before, job)) return;
     this.#known = job;
-    const percent = Math.floor((job.progress?.fraction ?? 0) * 100);
-    document.title = `${job.state === "running" && percent ? `${percent} % · ` : ""}${job.name} · Trainbridge`;
-    const active = ACTIVE.has(job.state);
-    this.#progress.hidden = !active;
-    if (active) this.#progress.job = job;
-    if (before?.state !== job.state || ended(before) !== ended(job)) this.#enter(job);
+    document.title = tabTitle(job);
+    this.#progress.hidden = !isActive(job);
+    if (isActive(job)) this.#progress.job = job;
+    if (before?.state !== job.state || endedRuns(before) !== endedRuns(job)) this.#enter(job);
     if (!this.#desk.hidden) void this.#desk.update(job, this.#run);
   }
 
@@ -125,7 +126,7 @@ export class JobPage extends HTMLElement {
     this.#trouble.job = job;
     show(this.#state);
     // Of a finished sweep, the worst speed is known only when all verdicts are read.
-    const proposes = job.runs.length > 1 && !ACTIVE.has(job.state) && !this.#view?.look.run && !this.#proposed;
+    const proposes = job.runs.length > 1 && !isActive(job) && !this.#view?.look.run && !this.#proposed;
     if (!proposes) this.#openDesk(job);
     void this.#finish(job);
   }
@@ -140,23 +141,26 @@ export class JobPage extends HTMLElement {
 
   /** What there is of the runs that are done, of a sweep also while others still compute. @param {Job} job */
   async #finish(job) {
+    const asked = (this.#asked += 1);
     const done = job.runs.filter((run) => run.state === "done");
     if (!done.length) {
       show(this.#results);
       return this.#openDesk(job);
     }
     try {
-      if (job.runs.length > 1) await this.#judge(job, done.map((run) => run.id));
+      const judged = job.runs.length > 1 ? await this.#verdicts.of(done) : [];
+      if (asked !== this.#asked || !this.isConnected) return;
+      if (job.runs.length > 1) this.#judge(job, judged, done[0].id);
       this.#openDesk(job);
       const id = this.#run;
       void this.#desk.update(job, id);
       /** @type {Run | null} */
       const run = done.some((item) => item.id === id) ? await api.run(id) : null;
-      if (id !== this.#run || !this.isConnected) return;
+      if (asked !== this.#asked || id !== this.#run || !this.isConnected) return;
       show(this.#results, run && verdictBars(run));
       this.#desk.result = run;
     } catch (error) {
-      show(this.#state, complaint(error));
+      if (asked === this.#asked) show(this.#state, complaint(error));
     }
   }
 
@@ -164,13 +168,13 @@ export class JobPage extends HTMLElement {
    * The verdict of each speed; the worst is proposed.
    *
    * @param {Job} job
-   * @param {string[]} done ids
+   * @param {import("../job-words.js").Judged[]} judged
+   * @param {string} first run that is done
    */
-  async #judge(job, done) {
-    if (this.#judged.length !== done.length) this.#judged = await verdictsOf(done);
-    this.#desk.judged = this.#judged;
-    if (this.#judged.length && !ACTIVE.has(job.state)) this.#proposed = worst(this.#judged).run;
-    else this.#proposed ||= done[0];
+  #judge(job, judged, first) {
+    this.#desk.judged = judged;
+    if (judged.length && !isActive(job)) this.#proposed = worst(judged).run;
+    else this.#proposed ||= first;
     this.#head.bind(job, this.#run);
   }
 
@@ -191,8 +195,5 @@ export class JobPage extends HTMLElement {
     this.#head.busy = false;
   }
 }
-
-/** How many runs have ended. @param {Job | null} job */
-const ended = (job) => job?.runs.filter((run) => !ACTIVE.has(run.state)).length;
 
 customElements.define("tb-job-page", JobPage);

@@ -22,6 +22,8 @@ export class JobsPage extends HTMLElement {
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #timer;
   #asked = 0;
+  /** Whether the jobs could not be asked for. */
+  #missed = false;
   #notice = h("div", { role: "alert" });
   #list = /** @type {JobList} */ (h("tb-job-list"));
   #search = h("input", { type: "search", "aria-label": "Search by name", placeholder: "Search by name", oninput: () => this.#later() });
@@ -56,7 +58,16 @@ export class JobsPage extends HTMLElement {
   async #begin() {
     this.#count();
     await this.#filter();
-    store.watch("job", (job) => matches(job, this.#wanted) && this.#list.update(job), this.#ended.signal);
+    if (!this.isConnected) return;
+    const signal = this.#ended.signal;
+    store.watch("job", (job) => this.#hear(job), signal);
+    store.watch("connected", (connected) => connected && this.#missed && void this.#filter(), signal);
+  }
+
+  /** A job that has changed may no longer be what was asked for. @param {import("../types.js").Job} job */
+  #hear(job) {
+    if (matches(job, this.#wanted)) this.#list.update(job);
+    else if (this.#list.jobs.some(({ id }) => id === job.id)) this.#list.drop(job.id);
   }
 
   get #wanted() {
@@ -79,8 +90,11 @@ export class JobsPage extends HTMLElement {
       const page = await api.findJobs({ states: statesOf(state), name });
       if (asked !== this.#asked) return;
       this.#list.page = page;
+      this.#missed = false;
       show(this.#notice);
     } catch (error) {
+      if (asked !== this.#asked) return;
+      this.#missed = true;
       this.#complain(error);
     }
   }
@@ -88,10 +102,14 @@ export class JobsPage extends HTMLElement {
   /** @param {string} cursor */
   async #more(cursor) {
     const { state, name } = this.#wanted;
+    const asked = this.#asked;
     try {
-      this.#list.add(await api.findJobs({ states: statesOf(state), name, cursor }));
+      const page = await api.findJobs({ states: statesOf(state), name, cursor });
+      if (asked !== this.#asked) return; // of another filter
+      this.#list.add(page);
       show(this.#notice);
     } catch (error) {
+      if (asked !== this.#asked) return;
       this.#list.add({ items: [], next: cursor }); // the button works again
       this.#complain(error);
     }
@@ -114,6 +132,7 @@ export class JobsPage extends HTMLElement {
     const { jobs } = this.#list.ticked;
     const many = jobs.length > 1 ? `${jobs.length} jobs` : "this job";
     if (!(await confirmed({ question: `Delete ${many}?`, words: "Results, histories and pictures go with them. What still computes is cancelled first.", action: "Delete" }))) return;
+    this.#remove.disabled = true;
     try {
       for (const job of jobs) {
         await api.removeJob(job);
@@ -122,6 +141,7 @@ export class JobsPage extends HTMLElement {
     } catch (error) {
       this.#complain(error);
     }
+    this.#remove.disabled = false;
   }
 
   /** @param {unknown} error */

@@ -35,8 +35,9 @@ export class LibraryPage extends HTMLElement {
 
   /** @param {string} kind @param {string} [said] */
   async #list(kind, said) {
-    document.title = `${kindOf(kind)?.title ?? "Library"} · Trainbridge`;
     const { items } = await api.wholeLibrary();
+    if (!this.isConnected) return;
+    document.title = `${kindOf(kind)?.title ?? "Library"} · Trainbridge`;
     const list = /** @type {LibraryList} */ (h("tb-library-list"));
     list.addEventListener("imported", (event) => void this.#list(kind, /** @type {CustomEvent} */ (event).detail));
     show(this, list);
@@ -48,6 +49,7 @@ export class LibraryPage extends HTMLElement {
   async #entry(kind, id) {
     const meta = await store.get("meta");
     const [item, templates, schema] = await Promise.all([api.entry(kind, id), api.templates(), api.schema(meta.openapi_url ?? "/api/v1/openapi.json")]);
+    if (!this.isConnected) return;
     const entry = /** @type {LibraryEntry} */ (h("tb-library-entry"));
     show(this, entry);
     entry.bind(item, { templates: templates.items, document: schema }, this.route.query.get("edit") === "1");

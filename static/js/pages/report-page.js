@@ -39,6 +39,7 @@ export class ReportPage extends HTMLElement {
     const [id] = this.route.parts;
     try {
       const job = await api.job(id);
+      if (!this.isConnected) return;
       this.#job = job;
       document.title = `Report · ${job.name} · Trainbridge`;
       const done = job.runs.some((/** @type {any} */ run) => run.state === "done");

@@ -13,6 +13,7 @@ import { api } from "../api.js";
 import { h, show } from "../dom.js";
 import { Drafts } from "../drafts.js";
 import { link } from "../router.js";
+import { DECIDES } from "../sections.js";
 import { store } from "../store.js";
 import { findingsOf, StudyChecker } from "../study-checker.js";
 import { StudyModel } from "../study-model.js";
@@ -82,6 +83,8 @@ export class StudyPage extends HTMLElement {
     show(this.#notice, resumedNotice(model, beginning.called, () => show(this.#notice)));
     this.#follow(model, beginning);
     this.#changed(model, beginning);
+    const asked = this.route.query.get("field");
+    if (asked) this.#form.reach(asked);
   }
 
   /** @param {StudyModel} model @param {Beginning} beginning */
@@ -101,7 +104,7 @@ export class StudyPage extends HTMLElement {
   /** @param {Edit} edit @param {StudyModel} model @param {Beginning} beginning */
   #edit({ pointer, value, whole, option }, model, beginning) {
     if (value === undefined) this.#run.say(false, this.#toMend());
-    else model.set(pointer, option ? alternative(beginning, pointer, option) : value, whole ? "whole" : "typing");
+    else model.set(pointer, option ? alternative(beginning, pointer, option) : value, whole || pointer === DECIDES ? "whole" : "typing");
   }
 
   /** @param {import("../study-model.js").Way} way @param {StudyModel} model @param {Beginning} beginning */
@@ -175,7 +178,7 @@ export class StudyPage extends HTMLElement {
     this.#run.say(false, "Starting…");
     try {
       const job = await api.submit({ kind, study });
-      location.hash = link("jobs", job.id);
+      if (this.isConnected) location.hash = link("jobs", job.id); // whoever left meanwhile is not called back
     } catch (error) {
       const errors = findingsOf(error);
       if (errors.some((finding) => finding.pointer)) this.#show(null, errors);
