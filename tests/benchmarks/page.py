@@ -6,15 +6,13 @@ the table. Nothing else should compute meanwhile: the load of the machine is pri
 
 from __future__ import annotations
 
-import argparse
-import os
 import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tests.benchmarks.queue import Row
 from tests.benchmarks.queue_served import served
+from tests.benchmarks.table import Row, print_table
 
 LARGEST_FIRST_PAGE = 200.0
 """Transferred before the chart library. [kB]"""
@@ -95,13 +93,7 @@ def rows(*, quick: bool) -> Iterator[Row]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Prints the table."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="fewer visits")
-    quick = parser.parse_args(arguments).quick
-    print("| | measured | promised at most | kept |\n|---|--:|--:|---|", flush=True)
-    for row in rows(quick=quick):
-        print(row.text, flush=True)
-    print(f"\nLoad of the machine ({os.cpu_count()} cores): {os.getloadavg()[0]:.1f}.")
+    print_table(__doc__, rows, arguments, quick="fewer visits")
 
 
 if __name__ == "__main__":

@@ -7,13 +7,9 @@ load of the machine is printed with it.
 
 from __future__ import annotations
 
-import argparse
 import json
-import os
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -25,38 +21,12 @@ from server.store import RunWriter, read_checkpoint
 from solver import studies
 from tests.benchmarks.queue_batches import CHANNEL_SAMPLES
 from tests.benchmarks.queue_served import Served, seconds_until, served, until
+from tests.benchmarks.table import Row, print_table
 
 ENGINES = ("local", "dask")
 IDLE_SECONDS = 1.0
 """Instead of a minute. [s]"""
 REPEATS = 20
-
-
-@dataclass(frozen=True, kw_only=True)
-class Row:
-    """One line of the table.
-
-    Attributes:
-        name: What was measured.
-        unit: Of value and bound.
-        value: Measured.
-        bound: What was promised; None for what is only told.
-    """
-
-    name: str
-    unit: str
-    value: float
-    bound: float | None = None
-
-    @property
-    def text(self) -> str:
-        """As a line of Markdown."""
-        if self.bound is None:
-            return f"| {self.name} | {self.value:.3g} {self.unit} | | |"
-        kept = "yes" if self.value <= self.bound else "NO"
-        return (
-            f"| {self.name} | {self.value:.3g} {self.unit} | {self.bound:g} {self.unit} | {kept} |"
-        )
 
 
 def beam_study(speeds: int = 1, time_step: float = 2e-3) -> dict[str, Any]:
@@ -275,26 +245,9 @@ def rows(*, quick: bool) -> Iterator[Row]:
         yield from checkpointing(template)
 
 
-@contextmanager
-def _load() -> Generator[None]:
-    """Says how busy the machine was: numbers of a busy one mean little."""
-    before = os.getloadavg()[0]
-    yield
-    after = os.getloadavg()[0]
-    print(
-        f"\nLoad of the machine ({os.cpu_count()} cores): {before:.1f} before, {after:.1f} after."
-    )
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
     """Prints the table."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="few runs, without Dask")
-    quick = parser.parse_args(arguments).quick
-    with _load():
-        print("| | measured | promised at most | kept |\n|---|--:|--:|---|", flush=True)
-        for row in rows(quick=quick):
-            print(row.text, flush=True)
+    print_table(__doc__, rows, arguments, quick="few runs, without Dask")
 
 
 if __name__ == "__main__":

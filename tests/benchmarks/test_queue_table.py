@@ -6,7 +6,8 @@ import math
 
 import pytest
 
-from tests.benchmarks.queue import Row, main
+from tests.benchmarks.queue import main
+from tests.benchmarks.table import Row
 
 
 def test_a_row_says_whether_its_promise_is_kept() -> None:

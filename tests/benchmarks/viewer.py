@@ -6,9 +6,7 @@ Without Chromium the rows that need one are left out. Nothing else should comput
 
 from __future__ import annotations
 
-import argparse
 import contextlib
-import os
 import shutil
 import subprocess
 import sys
@@ -29,7 +27,7 @@ from server.viewer import router
 from server.viewer.decimation import MOST_VERTICES
 from server.viewer.scene import Scene
 from solver.results import Frame, Layer, Sample
-from tests.benchmarks.queue import Row
+from tests.benchmarks.table import Row, print_table
 from tests.server.viewer_client import PROTOCOL, SceneClient, served
 from tests.server.viewer_run import STRIDE, ExampleRun
 
@@ -262,13 +260,7 @@ def rows(*, quick: bool) -> Iterator[Row]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Prints the table."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="shorter")
-    quick = parser.parse_args(arguments).quick
-    print("| | measured | promised at most | kept |\n|---|--:|--:|---|", flush=True)
-    for row in rows(quick=quick):
-        print(row.text, flush=True)
-    print(f"\nLoad of the machine ({os.cpu_count()} cores): {os.getloadavg()[0]:.1f}.")
+    print_table(__doc__, rows, arguments, quick="shorter")
 
 
 if __name__ == "__main__":
