@@ -54,6 +54,8 @@ def start_server() -> viser.ViserServer:
         stop_server(server)
         raise UnguardedServerError(f"viser {viser.__version__} cannot be guarded")
     _refuse_sharing(server)
+    # Once only: clients that are told again go back to their first camera.
+    server.scene.set_up_direction("+z")
     return server
 
 

@@ -27,7 +27,6 @@ def configure(server: viser.ViserServer, theme: Theme) -> None:
         dark_mode=theme == "dark", show_logo=False, show_share_button=False, control_width="small"
     )
     server.gui.main_panel.minimize()
-    server.scene.set_up_direction("+z")
     server.scene.world_axes.visible = False
 
 

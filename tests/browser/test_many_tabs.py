@@ -23,7 +23,7 @@ def test_eight_tabs_load_and_hear_of_a_job_started_in_one(new_page: Callable[...
     first.get_by_role("button", name=f"Run {BEAM}", exact=True).click()
     first.wait_for_url("**/#/jobs/*")
     for tab in tabs[1:]:
-        tab.get_by_text("Done", exact=False).first.wait_for(timeout=60_000)
+        tab.locator("tb-job-list .tag.done").first.wait_for(timeout=60_000)
 
 
 def test_the_stream_passes_on_when_its_tab_closes(new_page: Callable[..., Any]) -> None:
@@ -34,4 +34,4 @@ def test_the_stream_passes_on_when_its_tab_closes(new_page: Callable[..., Any]) 
     first.close()
     second.get_by_role("button", name=f"Run {BEAM}", exact=True).click()
     second.wait_for_url("**/#/jobs/*")
-    second.locator(".tag.done").wait_for(timeout=60_000)
+    second.locator("tb-job-head .tag.done").wait_for(timeout=60_000)

@@ -178,6 +178,20 @@ def test_dragging_turns_the_camera_and_picks_nothing(window: Window) -> None:
     assert np.mean(np.abs(window.pixels() - before).max(axis=2) > 12) > 0.01
 
 
+@pytest.mark.parametrize("change", [{"theme": "dark"}, {"smooth": False}])
+def test_a_scene_that_is_drawn_anew_is_seen_from_where_one_was(
+    window: Window, change: dict[str, object]
+) -> None:
+    where = "window.__viserMutable.camera.position.toArray()"
+    window.put(camera="side")
+    before = window.page.evaluate(where)
+    window.put(camera="free")
+    window.put(**change)
+    window.page.wait_for_timeout(800)
+    # A camera that went back to its beginning would be tens of metres away.
+    np.testing.assert_allclose(window.page.evaluate(where), before, atol=1e-3)
+
+
 _OWN_LAMPS = """() => {
   let bright = 0;
   window.__viserMutable.scene.traverse((thing) => {
