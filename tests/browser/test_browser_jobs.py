@@ -139,9 +139,14 @@ def test_each_run_of_a_sweep_can_be_shown_and_the_viewing_session_stays(
     expect(page.get_by_role("slider", name="Time")).to_be_enabled()
     runs = page.request.get(f"{server}/api/v1/jobs/{job}").json()["runs"]
     fast = next(run["id"] for run in runs if run["parameters"]["speed"] == 30.0)
-    assert f"run={fast}" in page.url
+    expect(page).to_have_url(re.compile(f"run={fast}"))
+    for _ in range(100):  # the session is told beside the plots, not before them
+        shown = page.request.get(f"{server}/api/v1/viewer/{session}").json()["run"]
+        if shown == fast:
+            break
+        page.wait_for_timeout(100)
+    assert shown == fast
     assert view.get_attribute("data-session") == session
-    assert page.request.get(f"{server}/api/v1/viewer/{session}").json()["run"] == fast
     picture(page, "sweep-beam")
 
 
