@@ -11,6 +11,7 @@ from server.viewer.decimation import MOST_VERTICES
 from tests.benchmarks.viewer import FRAME_RATE, main, streamed
 
 
+@pytest.mark.slow
 def test_a_coloured_vertex_costs_fifteen_bytes_and_no_more_than_fifteen_pictures_come() -> None:
     seconds = 2.0
     found = streamed(seconds)

@@ -80,6 +80,7 @@ def test_a_key_has_a_form(client: Client, key: str | bytes) -> None:
     assert answer.json()["errors"][0]["pointer"] == "Idempotency-Key"
 
 
+@pytest.mark.slow
 def test_a_key_outlives_a_queue_that_is_full(tmp_path: Path) -> None:
     settings = settings_for(tmp_path)
     settings = replace(settings, limits=replace(settings.limits, queued_jobs=1))
@@ -369,6 +370,7 @@ def disk_bytes(folder: Path) -> float:
     return report["estimate"]["disk_bytes"]
 
 
+@pytest.mark.slow
 def test_an_attempt_that_resumes_shows_what_the_one_before_had(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path)) as client:
         job = ended(client, submit(client, short_study())["id"])
@@ -430,6 +432,7 @@ def test_the_pace_is_that_of_the_whole_queue() -> None:
     assert low <= 3000 / 20 <= high
 
 
+@pytest.mark.slow
 def test_a_start_is_estimated_from_the_last_jobs(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path)) as client:
         ended(client, submit(client, short_study())["id"])

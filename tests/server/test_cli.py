@@ -41,6 +41,7 @@ def trainbridge(*words: str, given: str = "", **variables: str) -> subprocess.Co
     )
 
 
+@pytest.mark.slow
 def test_templates_are_listed_and_printed() -> None:
     listed = trainbridge("templates")
     assert listed.returncode == 0
@@ -54,6 +55,7 @@ def test_templates_are_listed_and_printed() -> None:
     assert "sprung-mass-beam" in unknown.stderr
 
 
+@pytest.mark.slow
 def test_a_study_runs_without_a_server(tmp_path: Path) -> None:
     study = tmp_path / "study.json"
     study.write_text(json.dumps(short_study()))
@@ -73,6 +75,7 @@ def test_a_study_runs_without_a_server(tmp_path: Path) -> None:
     assert "not empty" in again.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", ["viaduct", "train"])
 def test_modes_are_found_without_a_server(tmp_path: Path, part: str) -> None:
     # An approach that no crossing could do with does not stand in the way of modes.
@@ -98,6 +101,7 @@ def test_each_speed_gets_its_folder(tmp_path: Path) -> None:
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["run-000", "run-001"]
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_said_in_a_line(tmp_path: Path) -> None:
     study = tmp_path / "study.json"
     study.write_text(json.dumps(short_study()))
@@ -161,6 +165,7 @@ def ask(server: Client, *words: str, given: str = "") -> subprocess.CompletedPro
     return trainbridge(*words, given=given, **variables)
 
 
+@pytest.mark.slow
 def test_a_study_is_submitted_and_followed(server: Client, tmp_path: Path) -> None:
     study = tmp_path / "study.json"
     study.write_text(json.dumps(short_study(name="from the command line")))
@@ -184,6 +189,7 @@ def test_a_study_is_submitted_and_followed(server: Client, tmp_path: Path) -> No
     assert "done already" in cancelled.stdout
 
 
+@pytest.mark.slow
 def test_a_job_that_did_not_end_well_fails_the_command(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path, token=TOKEN), compute=odd_batches.fail) as server:
         done = ask(server, "submit", "-", "--wait", given=json.dumps(short_study()))
@@ -295,6 +301,7 @@ def test_a_store_of_another_database_is_not_cleaned(tmp_path: Path) -> None:
     assert list((store / "runs").iterdir())
 
 
+@pytest.mark.slow
 def test_an_old_database_is_migrated(tmp_path: Path) -> None:
     settings = settings_for(tmp_path)
     words = ("migrate", "--data", str(settings.data))

@@ -76,6 +76,7 @@ def test_a_job_from_its_study_to_its_histories(tmp_path: Path) -> None:
         assert (window[0, 0], window[-1, 0]) == pytest.approx((0.1, 0.2), abs=2e-3)
 
 
+@pytest.mark.slow
 def test_jobs_are_listed_over_pages(quick: TrainbridgeClient) -> None:
     made = [quick.submit(short_study(name=f"listed {index}")).id for index in range(5)]
     assert [job.id for job in quick.jobs(name="listed", page=2)] == made[::-1]
@@ -85,6 +86,7 @@ def test_jobs_are_listed_over_pages(quick: TrainbridgeClient) -> None:
     assert list(quick.jobs(states=["failed"], name="listed")) == []
 
 
+@pytest.mark.slow
 def test_everything_that_can_be_asked_of_a_job(tmp_path: Path) -> None:
     settings = settings_for(tmp_path)
     with serving(settings, compute=odd_batches.hang) as server, client_of(server) as client:

@@ -13,6 +13,8 @@ from solver import studies
 from solver.units import Units
 from tests.server.server_case import Client, ended, serving, settings_for, short_study, submit
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Client]:

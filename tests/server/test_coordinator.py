@@ -130,6 +130,7 @@ def test_a_run_ends_as_its_process_says(queue: Queue) -> None:
     assert queue.database.runs(job.id)[0].verdicts == [{"rule": "deck"}]
 
 
+@pytest.mark.slow
 def test_only_deaths_with_no_checkpoint_between_end_a_run(queue: Queue) -> None:
     job = add(queue.database)
     queue.start()

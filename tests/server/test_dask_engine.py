@@ -37,6 +37,7 @@ from tests.server.dask_case import (
 )
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.usefixtures("swept", "swept_module"),
     pytest.mark.filterwarnings("ignore:unclosed <socket:ResourceWarning"),
 ]

@@ -62,6 +62,7 @@ def kill_connections(database: Database) -> int:
         return len(ended.all())
 
 
+@pytest.mark.slow
 def test_a_locked_database_is_told_in_time_and_nothing_is_half_done(
     database: Database, database_url: str, open_database: Open
 ) -> None:
@@ -161,6 +162,7 @@ def test_a_number_is_given_only_after_the_smaller_ones_are_committed(
         database.record({}, [NewEvent(job=job.id, kind="log")])
 
 
+@pytest.mark.slow
 def test_many_that_open_a_new_database_at_once(
     tmp_path: Path, database_url: str, open_database: Open
 ) -> None:

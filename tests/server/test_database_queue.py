@@ -296,6 +296,7 @@ def test_a_deleted_job_disappears_at_once_and_its_rows_later(database: Database)
     assert [event.kind for event in database.log_of(other.id)] == ["state", "log"]
 
 
+@pytest.mark.slow
 def test_retention_and_cleaning_know_what_is_needed(database_url: str, open_database: Open) -> None:
     now = [100.0]
     database = open_database(database_url, clock=lambda: now[0])

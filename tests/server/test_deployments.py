@@ -143,6 +143,7 @@ def require_kept(deployment: Deployment, job: str, undisturbed: RunReader) -> No
     assert_same_bits(deployment.reader(run.id, run.attempt), undisturbed)
 
 
+@pytest.mark.slow
 def test_submit(deployment: Deployment) -> None:
     client = deployment.client
     run = client.run(done(deployment, client.submit(short_study()).id).id)
@@ -154,6 +155,7 @@ def test_submit(deployment: Deployment) -> None:
     assert history[:, 1].min() < 0.0
 
 
+@pytest.mark.slow
 def test_cancel(deployment: Deployment) -> None:
     client = deployment.client
     doomed = client.submit(endless_study()).id

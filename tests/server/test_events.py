@@ -58,6 +58,7 @@ def until_done(stream: Iterator[tuple[int, str, Any]]) -> list[tuple[int, str, A
     raise AssertionError(f"the stream ended after {len(heard)} events")
 
 
+@pytest.mark.slow
 def test_a_run_is_heard_from_its_beginning_to_its_end(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path)) as client:
         job = submit(client, beam_study())["id"]
@@ -93,6 +94,7 @@ def test_live_curves_grow_as_the_run_does(tmp_path: Path) -> None:
     assert all(len(v) == len(p["time"]) for p in points for v in p["channels"].values())
 
 
+@pytest.mark.slow
 def test_a_stream_that_reconnects_misses_nothing(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path)) as client:
         job = submit(client, short_study())["id"]
@@ -118,6 +120,7 @@ def until_done_progress(client: Client, path: str, last: int, headers: dict[str,
     return heard
 
 
+@pytest.mark.slow
 def test_one_stream_follows_many_jobs(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path), compute=odd_batches.finish) as client:
         made = [submit(client, short_study())["id"] for _ in range(3)]
@@ -234,6 +237,7 @@ def test_a_stream_says_when_all_that_was_missed_is_told(tmp_path: Path) -> None:
     assert [number for number, kind in told if kind == "progress"] == progress
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", ["events", "jobs/{job}/events"])
 def test_a_number_from_before_the_database_was_replaced(tmp_path: Path, where: str) -> None:
     with serving(settings_for(tmp_path), compute=odd_batches.hang) as client:
@@ -249,6 +253,7 @@ def test_a_number_from_before_the_database_was_replaced(tmp_path: Path, where: s
         assert "cancelled" in said
 
 
+@pytest.mark.slow
 def test_a_stream_ends_with_the_last_of_its_jobs(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path), compute=odd_batches.hang) as client:
         job = submit(client, short_study())["id"]

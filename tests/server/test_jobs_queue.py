@@ -34,6 +34,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Client,
         yield client, job
 
 
+@pytest.mark.slow
 def test_a_run_reaches_its_result(finished: tuple[Client, dict[str, Any]]) -> None:
     client, job = finished
     assert job["progress"]["fraction"] == 1.0
@@ -87,6 +88,7 @@ def test_its_shapes_come_as_bytes(finished: tuple[Client, dict[str, Any]]) -> No
     assert client.get(f"{run}/frames", params={"index": 10**6}).status_code == 404
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file_format", "kind", "begins"),
     [
@@ -118,6 +120,7 @@ def test_drawing_has_a_short_queue(tmp_path: Path) -> None:
     assert answer.headers["content-type"] == "application/problem+json"
 
 
+@pytest.mark.slow
 def test_modes_are_a_kind_of_job(tmp_path: Path) -> None:
     with serving(settings_for(tmp_path)) as client:
         job = ended(client, submit(client, short_study(), kind="modes")["id"])
@@ -173,6 +176,7 @@ def test_a_run_that_fails_says_why_and_the_server_goes_on(
         assert ended(client, submit(client, short_study())["id"])["state"] == state
 
 
+@pytest.mark.slow
 def test_time_and_memory_have_limits(tmp_path: Path) -> None:
     limits = Limits(batch_seconds=0.3)
     with serving(settings_for(tmp_path / "a", limits=limits), compute=odd_batches.hang) as client:

@@ -270,6 +270,7 @@ def test_names_with_markup_are_shown_and_never_read() -> None:
     assert "$\\frac{" in svg
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file_format", "magic"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")]
 )

@@ -29,6 +29,8 @@ from solver import studies
 from solver.units import Units
 from tests.server.server_case import Client, ended, serving, settings_for, short_study, submit
 
+pytestmark = pytest.mark.slow
+
 NASTY = "<script>alert(1)</script> \"&' </style> \u202e\0 漢字 čeština"
 
 

@@ -94,6 +94,7 @@ def test_it_stops_at_once_with_streams_open_and_runs_computing(tmp_path: Path) -
             assert surviving(children, 1.0) == []
 
 
+@pytest.mark.slow
 def test_a_second_server_on_the_same_folder_is_refused(tmp_path: Path) -> None:
     with server_process(tmp_path) as (process, _):
         second = serve_briefly("--data", str(tmp_path), "--port", "0")
@@ -104,6 +105,7 @@ def test_a_second_server_on_the_same_folder_is_refused(tmp_path: Path) -> None:
     FolderLock(tmp_path).release()
 
 
+@pytest.mark.slow
 def test_a_port_in_use_is_said(tmp_path: Path) -> None:
     with server_process(tmp_path / "a") as (_, address):
         port = address.rsplit(":", 1)[1]
@@ -121,6 +123,7 @@ def test_the_network_needs_a_token(tmp_path: Path) -> None:
     assert "Traceback" not in refused.stderr
 
 
+@pytest.mark.slow
 def test_a_folder_of_another_version_is_refused(tmp_path: Path) -> None:
     import sqlite3
 

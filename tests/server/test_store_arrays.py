@@ -16,6 +16,7 @@ from server.store import NotStoredError, RunReader, RunWriter, SlabPeaks
 from tests.server.store_case import N_VERTEX, make_plan, samples_of
 
 
+@pytest.mark.slow
 def test_what_is_written_is_read(tmp_path: Path) -> None:
     plan = make_plan(5000)
     writer = RunWriter(tmp_path / "run", plan)

@@ -100,6 +100,7 @@ def test_a_view_of_a_deleted_run_ends_without_a_stack_of_calls(follow, caplog) -
     assert not [record for record in caplog.records if record.exc_info]
 
 
+@pytest.mark.slow
 def test_a_database_that_is_away_ends_no_view(follow) -> None:
     run = Attempt("run/001", done=False)
     looked = threading.Event()

@@ -195,6 +195,7 @@ def test_the_run_is_switched_on_the_same_connection(address: str, session: str) 
         assert "wheels" in back["layers"]
 
 
+@pytest.mark.slow
 def test_a_mode_swings_while_it_plays_and_stands_while_it_does_not(
     address: str, session: str
 ) -> None:
@@ -246,6 +247,7 @@ def test_a_place_from_a_shared_link_is_marked_as_a_click_is(address: str, sessio
         assert httpx.put(resource, json={"place": None}).json()["picked"] is None
 
 
+@pytest.mark.slow
 def test_a_click_s_ray_becomes_a_point_and_a_marker(address: str, session: str) -> None:
     resource = f"http://{address}/api/v1/viewer/{session}"
     with SceneClient(address, session) as client:

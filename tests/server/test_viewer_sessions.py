@@ -169,11 +169,13 @@ def test_a_large_run_that_opens_holds_up_no_other_view(sessions: Sessions) -> No
     assert len(sessions) == 2
 
 
+@pytest.mark.slow
 def test_a_session_that_has_ended_keeps_no_histories(hasty: Sessions) -> None:
     session = weakref.ref(hasty.open("run", RUN, "light"))
     assert until(lambda: gc.collect() >= 0 and session() is None)
 
 
+@pytest.mark.slow
 def test_a_session_that_nobody_watches_ends(hasty: Sessions) -> None:
     session = hasty.open("run", RUN, "light")
     with session.watched():

@@ -92,6 +92,7 @@ def used(layer: str) -> np.ndarray:
     return np.unique(faces)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("time", "scale"), [(0.40, 200.0), (0.80, 500.0), (1.50, 1.0)])
 def test_vertices_and_wheels_are_the_stored_ones(
     view: tuple[SceneClient, str], time: float, scale: float
@@ -129,6 +130,7 @@ def test_the_stored_peak_bends_the_span_under_the_train(view: tuple[SceneClient,
     np.testing.assert_allclose(third, 1.335, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_nothing_is_sent_while_the_time_stands_still(view: tuple[SceneClient, str]) -> None:
     client, resource = view
     show(client, resource, time=0.5)
@@ -154,6 +156,7 @@ def test_wheels_without_contact_are_red(view: tuple[SceneClient, str]) -> None:
     assert 0 < red.sum() < 92
 
 
+@pytest.mark.slow
 def test_a_lost_contact_has_a_cross_as_well(view: tuple[SceneClient, str]) -> None:
     """So that colour is not the only sign."""
     client, resource = view
@@ -172,6 +175,7 @@ def test_a_lost_contact_has_a_cross_as_well(view: tuple[SceneClient, str]) -> No
     assert np.all(places[lost, 2] > arrows[lost, 1, 2] + 1.0), "above the wheel"
 
 
+@pytest.mark.slow
 def test_colours_travel_below_their_mesh_and_leave_with_the_material(
     view: tuple[SceneClient, str],
 ) -> None:
@@ -192,6 +196,7 @@ def test_colours_travel_below_their_mesh_and_leave_with_the_material(
     assert client.nodes["/slab/colours"]["colors"].size == 3
 
 
+@pytest.mark.slow
 def test_without_the_page_script_every_element_has_its_colour(
     view: tuple[SceneClient, str],
 ) -> None:
@@ -211,6 +216,7 @@ def test_without_the_page_script_every_element_has_its_colour(
     assert colours[loaded].sum() > 3 * colours[still].sum(), "the loaded element is lighter"
 
 
+@pytest.mark.slow
 def test_carbodies_move_with_what_they_did_since_the_static_start(
     view: tuple[SceneClient, str],
 ) -> None:
@@ -227,6 +233,7 @@ def test_carbodies_move_with_what_they_did_since_the_static_start(
     np.testing.assert_allclose(sent[:, 2], expected, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_playing_sends_at_most_fifteen_pictures_a_second(view: tuple[SceneClient, str]) -> None:
     client, resource = view
     show(client, resource, layers=["slab"], time=0.4)
@@ -243,6 +250,7 @@ def test_playing_sends_at_most_fifteen_pictures_a_second(view: tuple[SceneClient
     assert not np.array_equal(started, vertices(client, "slab"))
 
 
+@pytest.mark.slow
 def test_a_hidden_layer_is_not_sent_and_is_right_when_shown_again(
     view: tuple[SceneClient, str],
 ) -> None:
@@ -258,6 +266,7 @@ def test_a_hidden_layer_is_not_sent_and_is_right_when_shown_again(
     )
 
 
+@pytest.mark.slow
 def test_another_theme_changes_colours_and_nothing_else(view: tuple[SceneClient, str]) -> None:
     client, resource = view
     state = show(client, resource, time=0.7, layers=["slab", "carbodies"])
@@ -314,6 +323,7 @@ def _assert_picture(
     assert picture.lost.tolist() == (rows[index * STRIDE, : len(names)] <= 0.0).tolist()
 
 
+@pytest.mark.slow
 def test_a_running_run_shows_what_is_committed() -> None:
     run = ExampleRun(done=False)
     run.committed = 0
