@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from server.jobs.built_in_library import BuiltInEntry, built_in_entries
-from server.jobs.library_parts import PARTS
+from server.library.built_in import BuiltInEntry, built_in_entries
+from server.library.parts import PARTS
 from server.reports.document import Block, Bullets, Facts, Paragraph, Section, Table
 from server.reports.inputs import Difference, inputs, nearest_template
 from server.reports.material import Material

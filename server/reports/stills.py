@@ -7,9 +7,9 @@ from dataclasses import replace
 from server.reports.figures import Illustration
 from server.reports.material import Material, RunMaterial
 from server.store import NotStoredError, RunReader
+from server.viewer import Still, StillOptions, read_still
 from server.viewer.captions import SEPARATOR
 from server.viewer.colour_map import ColourBar
-from server.viewer.stills import Still, StillOptions, read_still
 from solver.results import Geometry
 
 __all__ = ["MODES_SHOWN", "report_stills"]

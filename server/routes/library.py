@@ -12,8 +12,8 @@ from fastapi import APIRouter, Response
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from server.errors import Finding, Problem, gone_missing
-from server.jobs.built_in_library import BuiltInEntry, built_in_entries
-from server.jobs.library_parts import read_part
+from server.library.built_in import BuiltInEntry, built_in_entries
+from server.library.parts import read_part
 from server.routes.service import Service, ServiceDependency
 from server.store import LibraryFullError, LibraryRecord, NewEntry
 

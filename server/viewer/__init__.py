@@ -3,7 +3,7 @@
 from server.viewer.routes import router
 from server.viewer.session import ViewerLimits
 from server.viewer.source import FrameSource, StoppedRun
-from server.viewer.stills import Still, StillOptions, draw_still, still
+from server.viewer.stills import Still, StillOptions, draw_still, read_still
 
 __all__ = [
     "FrameSource",
@@ -12,6 +12,6 @@ __all__ = [
     "StoppedRun",
     "ViewerLimits",
     "draw_still",
+    "read_still",
     "router",
-    "still",
 ]

@@ -68,9 +68,13 @@ def add_exports(
         draw: Draws a still.
         limits: How large a replay may become.
     """
-    bounds, one_at_once = limits or ReplayLimits(), threading.Lock()
-    places = threading.BoundedSemaphore(1 + _WAITING)
+    _add_still(routes, open_reader, draw)
+    _add_replay(routes, open_reader, limits or ReplayLimits())
 
+
+def _add_still(
+    routes: APIRouter, open_reader: Callable[[str], FrameSource], draw: DrawStill
+) -> None:
     @routes.get(
         "/api/v1/runs/{run_id}/viewer/still.png",
         response_class=Response,
@@ -107,6 +111,12 @@ def add_exports(
         content = await draw(await run_in_threadpool(read))
         return Response(content, media_type="image/png")
 
+
+def _add_replay(
+    routes: APIRouter, open_reader: Callable[[str], FrameSource], limits: ReplayLimits
+) -> None:
+    one_at_once, places = threading.Lock(), threading.BoundedSemaphore(1 + _WAITING)
+
     @routes.get(
         "/api/v1/runs/{run_id}/viewer/replay.html",
         response_class=Response,
@@ -135,7 +145,7 @@ def add_exports(
             theme=theme,
         )
         with _turn(places, one_at_once):
-            made = replay(source, options, bounds)
+            made = replay(source, options, limits)
         return _attachment(made, run_id)
 
 

@@ -18,7 +18,7 @@ from server.viewer.palette import Colour
 from server.viewer.picture import Picture
 from server.viewer.scene_elements import ELEMENTS, Elements
 from server.viewer.scene_part import Detail, wire
-from server.viewer.surface import Surface
+from server.viewer.surface import BALLAST_SCALE, BALLAST_SHIFT, Surface
 from solver.results import Layer
 
 __all__ = ["CARRIER", "SurfaceLayer"]
@@ -30,8 +30,6 @@ _VEIL = 0.12
 """Opacity of what lies over the map of the peaks."""
 _WHITE: Colour = (255, 255, 255)
 _AS_IS = ((1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
-_SHRUNK = ((1.0, 0.995, 1.0), (0.0, 0.0, 0.006))
-"""Scale and position of the ballast, which else flickers through the walls that it touches."""
 
 
 class SurfaceLayer:
@@ -114,7 +112,7 @@ class SurfaceLayer:
 def _add_mesh(
     server: viser.ViserServer, name: str, surface: Surface, first: Picture, colour: Colour
 ) -> viser.MeshHandle:
-    scale, position = _SHRUNK if name == "ballast" else _AS_IS
+    scale, position = (BALLAST_SCALE, BALLAST_SHIFT) if name == "ballast" else _AS_IS
     return server.scene.add_mesh_simple(
         f"/{name}",
         surface.placed(first.vertices),

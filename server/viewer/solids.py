@@ -13,14 +13,12 @@ from server.viewer.scene_setting import OUTLINED
 from server.viewer.scene_train import CARBODY_OPACITY
 from server.viewer.scenery import piers, rigid_rails
 from server.viewer.shapes import Solid, axle, bogie_frame, carbody, unit_box, wheel
-from server.viewer.surface import feature_edges
+from server.viewer.surface import BALLAST_SCALE, BALLAST_SHIFT, feature_edges
 from solver.arrays import FloatArray, Matrix, Vector
 from solver.results import Geometry
 
 __all__ = ["drawn_lines", "drawn_meshes"]
 
-_SHRUNK = np.array([1.0, 0.995, 1.0])
-"""The ballast touches the walls, and would flicker through them."""
 _COLOURED_RELIEF = 0.5
 """Coloured surfaces are hardly shaded, so that their colours are those of the bar."""
 _CROSS_ABOVE, _CROSS_HALF = 0.45, 0.22
@@ -74,7 +72,7 @@ def _surfaces(geometry: Geometry, picture: Picture, paints: Palette) -> list[Mes
     for surface in displayed_surfaces(geometry):
         corners = surface.placed(picture.vertices)[surface.triangles]
         if surface.name == "ballast":
-            corners = corners * _SHRUNK
+            corners = corners * np.array(BALLAST_SCALE) + np.array(BALLAST_SHIFT)
         chosen = picture.colours.get(surface.name)
         if chosen is None:
             meshes.append(_plain(corners, paints.layer(surface.name)))

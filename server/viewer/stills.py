@@ -24,7 +24,7 @@ from server.viewer.solids import drawn_lines, drawn_meshes
 from server.viewer.source import FrameSource
 from server.viewer.timeline import Timeline
 
-__all__ = ["Still", "StillOptions", "draw_still", "read_still", "still"]
+__all__ = ["Still", "StillOptions", "draw_still", "read_still"]
 
 _PAPER: dict[Theme, tuple[float, float, float]] = {
     "light": (1.0, 1.0, 1.0),
@@ -75,18 +75,13 @@ class Still:
     height: int
 
 
-def still(source: FrameSource, options: StillOptions) -> bytes:
-    """A PNG of one moment of a run.
+def read_still(source: FrameSource, options: StillOptions) -> Still:
+    """Reads what a still needs from the store; quick.
 
     Args:
         source: The run, finished or still running.
         options: What to show.
     """
-    return draw_still(read_still(source, options))
-
-
-def read_still(source: FrameSource, options: StillOptions) -> Still:
-    """Reads what a still needs from the store; quick."""
     maker, timeline = PictureMaker(source), Timeline(source)
     time = timeline.opening() if options.time is None else options.time
     index, phase = timeline.frame(time, options.mode)

@@ -10,7 +10,12 @@ import numpy as np
 from solver.arrays import FloatArray, IntArray, IntVector, Matrix
 from solver.results import Layer
 
-__all__ = ["Surface", "feature_edges", "surface_of"]
+__all__ = ["BALLAST_SCALE", "BALLAST_SHIFT", "Surface", "feature_edges", "surface_of"]
+
+BALLAST_SCALE = (1.0, 0.995, 1.0)
+"""The ballast touches the walls, and would flicker through them as it is."""
+BALLAST_SHIFT = (0.0, 0.0, 0.006)
+"""As much it lies above what it touches below. [m]"""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,7 @@ export const MOST = 16;
 const GROUPS = { deck: "Points", wheel: "Wheels", vehicle: "Cars and bogies", bearing: "Bearings" };
 
 /** @param {string} name of a channel: place/quantity */
-export const quantityOf = (name) => name.slice(name.lastIndexOf("/") + 1);
+const quantityOf = (name) => name.slice(name.lastIndexOf("/") + 1);
 
 /** @param {string} name */
 export const placeOf = (name) => name.slice(0, Math.max(name.lastIndexOf("/"), 0)) || name;

@@ -23,3 +23,18 @@ export async function runExtent(run) {
     interval: last?.index ? last.time / last.index : 0,
   };
 }
+
+/**
+ * What there is of the run that is shown, though another may be chosen while the server is asked.
+ *
+ * @param {() => string} shown the run that is shown now
+ */
+export async function shownExtent(shown) {
+  let run;
+  let extent;
+  do {
+    run = shown();
+    extent = await runExtent(run);
+  } while (run !== shown());
+  return extent;
+}

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from server.jobs.built_in_library import built_in_entries
-from server.jobs.library_parts import LARGEST_PART, PARTS, read_part
+from server.library.built_in import built_in_entries
+from server.library.parts import LARGEST_PART, PARTS, read_part
 from server.store import Database, LibraryFullError, NewEntry
 from server.store import library as store_library
 from solver import studies

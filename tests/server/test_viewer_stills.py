@@ -10,11 +10,10 @@ import pytest
 from fastapi import FastAPI
 
 from server.errors import MEDIA_TYPE, install_errors
-from server.viewer import FrameSource, Still, StillOptions, draw_still, router, still
+from server.viewer import FrameSource, Still, StillOptions, draw_still, read_still, router
 from server.viewer.camera import View
 from server.viewer.colour_map import SEQUENTIAL
 from server.viewer.raster import Lines, Mesh, rendered, section_lines
-from server.viewer.stills import read_still
 from tests.server.viewer_client import served
 from tests.server.viewer_small_runs import BeamRun, ModalRun
 
@@ -41,6 +40,11 @@ def square(half: float, y: float, colour: np.ndarray) -> Mesh:
 
 def pixels(*meshes: Mesh, view: View | None = None, lines: tuple[Lines, ...] = ()) -> np.ndarray:
     return rendered(view or eye(), meshes, lines, BLACK, SIZE).astype(float) / 255.0
+
+
+def still(source: FrameSource, options: StillOptions) -> bytes:
+    """A PNG of one moment, read and drawn."""
+    return draw_still(read_still(source, options))
 
 
 def opened(png: bytes) -> np.ndarray:

@@ -11,7 +11,7 @@ import { h, show } from "../dom.js";
 import { runFigure } from "../figures.js";
 import { FIRST_FIGURES } from "../job-tabs.js";
 import { momentsOfInterest } from "../moment.js";
-import { runExtent } from "../run-extent.js";
+import { runExtent, shownExtent } from "../run-extent.js";
 
 /** @typedef {import("../types.js").Job} Job */
 /** @typedef {import("../types.js").Run} Run */
@@ -36,6 +36,8 @@ export class JobDesk extends HTMLElement {
   #result = null;
   /** @type {Promise<void> | null} */
   #opening = null;
+  /** Whether what opens has opened: everything below is bound to a run. */
+  #opened = false;
   /** Whether the instrument shows something. */
   #ready = false;
   #refreshing = false;
@@ -115,7 +117,7 @@ export class JobDesk extends HTMLElement {
   /** The first steps are there: the instrument comes to life. */
   async #open() {
     const modal = this.#job?.kind === "modes";
-    const { figures, frames, interval } = await runExtent(this.#run);
+    const { figures, frames, interval } = await shownExtent(() => this.#run);
     if (!this.isConnected) return;
     const view = /** @type {RunView} */ (this.#view);
     this.#figures = figures;
@@ -127,6 +129,7 @@ export class JobDesk extends HTMLElement {
     }
     this.#panels.found = { animated: this.#ready };
     this.#panels.open({ run: this.#run, figures });
+    this.#opened = true;
     if (this.#result) this.result = this.#result;
     this.#arrange();
   }
@@ -136,8 +139,9 @@ export class JobDesk extends HTMLElement {
     this.#run = run;
     this.#result = null;
     this.#view?.set({ window: null, time: null });
+    if (!this.#opened) return; // what opens shows the run that was chosen last
     if (this.#ready) this.#instrument.run = run;
-    if (this.#opening) this.#panels.open({ run, figures: this.#figures });
+    this.#panels.open({ run, figures: this.#figures });
     void this.#refresh(true);
     void runExtent(run).then(({ interval }) => this.#view && run === this.#run && interval && (this.#view.cursor.interval = interval));
   }
@@ -147,12 +151,15 @@ export class JobDesk extends HTMLElement {
     this.#again ||= news;
     if (this.#refreshing) return;
     this.#refreshing = true;
-    do {
-      this.#again = false;
-      this.#drawnAt = performance.now();
-      await Promise.all([this.#extent(), this.#panels.refresh()]);
-    } while (this.#again && this.isConnected);
-    this.#refreshing = false;
+    try {
+      do {
+        this.#again = false;
+        this.#drawnAt = performance.now();
+        await Promise.all([this.#extent(), this.#panels.refresh()]);
+      } while (this.#again && this.isConnected);
+    } finally {
+      this.#refreshing = false; // a fault must not be the end of all live curves
+    }
   }
 
   async #extent() {

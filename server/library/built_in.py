@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from typing import Any
 
-from server.jobs.library_parts import PARTS
+from server.library.parts import PARTS
 from solver import studies
 from solver.data import load
 from solver.irregularities import Irregularity, IsolatedDefect, NoIrregularity
