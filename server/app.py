@@ -9,7 +9,7 @@ from contextlib import AbstractAsyncContextManager, ExitStack, asynccontextmanag
 from types import FrameType
 
 import uvicorn
-from fastapi import FastAPI
+from fastapi import APIRouter, FastAPI
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
 
@@ -66,6 +66,25 @@ _BACKLOG = 2048
 _LARGEST_MESSAGE = 64 * 1024 * 1024
 """A viewer's frames come as one message each. [B]"""
 
+_ROUTES = (
+    meta,
+    machine,
+    templates,
+    studies,
+    jobs,
+    requests,
+    events,
+    runs,
+    plots,
+    job_plots,
+    compare,
+    compare_plots,
+    reports,
+    library,
+    login,
+    pages,
+)
+
 _PROBLEM = {
     "model": ProblemDocument,
     "description": "What went wrong, where, and what to do (RFC 9457).",
@@ -104,27 +123,18 @@ def create_app(settings: Settings, *, compute: Compute = compute_order) -> FastA
     app.state.changes = Changes()
     install_errors(app)
     install_outages(app)
-    for module in (
-        meta,
-        machine,
-        templates,
-        studies,
-        jobs,
-        requests,
-        events,
-        runs,
-        plots,
-        job_plots,
-        compare,
-        compare_plots,
-        reports,
-        library,
-        login,
-        pages,
-    ):
+    for module in _ROUTES:
         app.include_router(module.router)
+    app.include_router(_viewer_routes(app))
+    app.mount("/static", pages.static_files(), name="static")
+    describe_studies(app)
+    return app
 
-    def open_reader(run: str) -> RunReader:
+
+def _viewer_routes(app: FastAPI) -> APIRouter:
+    """The 3D view of what this application's store holds, drawn by its own process."""
+
+    def open_reader(run: str) -> RunReader | viewer.StoppedRun:
         service: Service = app.state.service
         record = service.run(run)
         reader = service.reader(record)
@@ -135,10 +145,7 @@ def create_app(settings: Settings, *, compute: Compute = compute_order) -> FastA
         service: Service = app.state.service
         return await service.drawing.work(viewer.draw_still, still)
 
-    app.include_router(viewer.router(open_reader, draw=draw))
-    app.mount("/static", pages.static_files(), name="static")
-    describe_studies(app)
-    return app
+    return viewer.router(open_reader, draw=draw)
 
 
 def _lifespan(
