@@ -70,7 +70,7 @@ def order_for(
     return Order(**{**values, **changes})
 
 
-def until(condition: Callable[[], object], seconds: float = 20.0) -> None:
+def until(condition: Callable[[], object], seconds: float = 90.0) -> None:
     """Waits for a condition; fails where it does not come."""
     limit = time.monotonic() + seconds
     while not condition():
@@ -79,7 +79,7 @@ def until(condition: Callable[[], object], seconds: float = 20.0) -> None:
 
 
 def hear(
-    engine: Engine, enough: Callable[[Sequence[Report]], bool], seconds: float = 20.0
+    engine: Engine, enough: Callable[[Sequence[Report]], bool], seconds: float = 90.0
 ) -> list[Report]:
     """Reports until there are enough."""
     heard: list[Report] = []
@@ -171,7 +171,7 @@ class Node:
         self.process.kill()
         return self.wait()
 
-    def wait(self, seconds: float = 15.0) -> str:
+    def wait(self, seconds: float = 60.0) -> str:
         """Waits for its end; what it wrote to its error stream."""
         self.process.stdin = None
         _, errors = self.process.communicate(timeout=seconds)

@@ -21,7 +21,7 @@ from typing import Any
 import psycopg
 
 MISSING = "PostgreSQL is missing: apt-get install postgresql"
-START_SECONDS = 30
+START_SECONDS = 120
 # A killed server keeps what it was given; only a power cut would lose it, and there is none.
 _QUICK = "fsync=off full_page_writes=off autovacuum=off shared_buffers=16MB"
 

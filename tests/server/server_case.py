@@ -69,7 +69,7 @@ def serving(settings: Settings, **parts: Any) -> Iterator[Client]:
     finally:
         app.state.changes.end()
         server.should_exit = True
-        thread.join(timeout=20)
+        thread.join(timeout=60)
         listener.close()
 
 
@@ -103,14 +103,14 @@ def submit(client: Client, study: dict[str, Any], **parts: Any) -> dict[str, Any
     return answer.json()
 
 
-def ended(client: Client, job: str, seconds: float = 60.0) -> dict[str, Any]:
+def ended(client: Client, job: str, seconds: float = 180.0) -> dict[str, Any]:
     """The job when it has ended."""
     return until(
         lambda: client.get(f"/api/v1/jobs/{job}").json(), lambda j: j["state"] in ENDED, seconds
     )
 
 
-def until(look: Callable[[], Any], is_so: Callable[[Any], bool], seconds: float = 30.0) -> Any:
+def until(look: Callable[[], Any], is_so: Callable[[Any], bool], seconds: float = 120.0) -> Any:
     """Looks until it is so."""
     limit = time.monotonic() + seconds
     while True:

@@ -194,7 +194,7 @@ def test_worker_that_may_not_start_processes_is_refused(tmp_path: Path) -> None:
         finally:
             engine.stop()
             plain.terminate()
-            plain.communicate(timeout=15)
+            plain.communicate(timeout=60)
 
 
 def test_the_server_is_imported_without_dask() -> None:

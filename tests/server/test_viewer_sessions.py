@@ -27,7 +27,7 @@ from tests.server.viewer_small_runs import BeamRun, ModalRun
 RUN = BeamRun()
 
 
-def until(met: Callable[[], bool], seconds: float = 5.0) -> bool:
+def until(met: Callable[[], bool], seconds: float = 60.0) -> bool:
     """Waits for something to become true."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:

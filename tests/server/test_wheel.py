@@ -50,7 +50,7 @@ def address(installed: Path, tmp_path: Path) -> Iterator[str]:
             yield found.group()
         finally:
             process.terminate()
-            process.wait(timeout=10)
+            process.wait(timeout=60)
 
 
 def test_wheel_holds_page_and_data_and_nothing_else(installed: Path) -> None:

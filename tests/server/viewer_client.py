@@ -40,7 +40,7 @@ def served(app: FastAPI) -> Iterator[str]:
         yield f"127.0.0.1:{server.servers[0].sockets[0].getsockname()[1]}"
     finally:
         server.should_exit = True
-        thread.join(timeout=15.0)
+        thread.join(timeout=60.0)
         assert not thread.is_alive()
 
 

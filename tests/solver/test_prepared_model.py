@@ -175,7 +175,7 @@ def test_another_process_goes_on_to_the_same(study: Study, filled: Memory, tmp_p
     environment = os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{tmp_path}"}
     subprocess.run(
         [sys.executable, "-W", "error", "-c", _OTHER_PROCESS, str(tmp_path)],
-        env=environment, check=True, timeout=60,
+        env=environment, check=True, timeout=300,
     )  # fmt: skip
     wanted = [sample.channels for sample in islice(run, 8)]
     np.testing.assert_array_equal(np.load(tmp_path / "found.npy"), wanted)
