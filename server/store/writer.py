@@ -2,8 +2,9 @@
 
 Rows gather in buffers of a fixed size and leave as whole shards. A shard's length is chosen from
 the run's own pace, so that one fills in a few seconds; at the end the arrays are rewritten into
-long shards, from which one channel or one frame is read quickly. On a local disk a frame is a
-shard of its own; in an object store, where every object costs a request, frames gather like rows.
+long shards, from which one channel or one frame is read quickly. On a local disk a large frame is a
+shard of its own; small ones, of which a beam has hundreds a second, and those in an object store,
+where every object costs a request, gather like rows.
 
 What a power cut leaves: everything that ``commit.json``, ``checkpoint`` or ``DONE`` speaks of is
 on the disk before they are.
@@ -51,6 +52,8 @@ _BUFFER_ROWS = 2048
 _SHARD_SECONDS = 2.0
 """A shard's length is what the first rows reach in this time: a run that slows down to less than
 half its pace still fills one within 5 s. [s]"""
+_LOCAL_FRAMES_BYTES = 64 * 1024
+"""Frames of a shard on a local disk: making its files takes as long as writing so much. [B]"""
 _LONG_SHARD_BYTES = 64 * 1024 * 1024
 """Size of the final shards, and memory of the rewriting. [B]"""
 _LONG_SHARD_ROWS = 16384
@@ -333,8 +336,10 @@ def _sample_buffer(plan: RunPlan, layouts: tuple[ArrayLayout, ...]) -> ShardBuff
 def _frame_buffer(plan: RunPlan, layouts: tuple[ArrayLayout, ...], *, local: bool) -> ShardBuffer:
     chosen = [layout for layout in layouts if layout.by_frame]
     row_bytes = sum(layout.row_bytes for layout in chosen)
-    if local or not row_bytes:
+    if not row_bytes:
         return ShardBuffer(chosen, 1)
+    if local:
+        return ShardBuffer(chosen, min(_BUFFER_ROWS, -(-_LOCAL_FRAMES_BYTES // row_bytes)))
     return ShardBuffer(chosen, min(_BUFFER_ROWS, _BUFFER_BYTES // row_bytes, plan.n_frame))
 
 

@@ -70,7 +70,7 @@ class Path:
     tangents: FloatArray
     generalised: SparseMatrix
 
-    @property
+    @cached_property
     def lengths(self) -> Vector:
         """Length of each element, shape (n_element,). [m]"""
         return np.diff(self.chainage)
@@ -124,6 +124,12 @@ class Path:
             normal=normal,
             curvature=curvature,
         )
+
+    @cached_property
+    def _corners(self) -> FloatArray:
+        """End, tangent, end, tangent of each element, shape (n_element, 4, 3)."""
+        parts = [self.ends[:, 0], self.tangents[:, 0], self.ends[:, 1], self.tangents[:, 1]]
+        return np.stack(parts, axis=1)
 
     @cached_property
     def _table(self) -> tuple[IntArray, FloatArray]:
@@ -191,9 +197,7 @@ class Path:
         """The curve or its derivative by distance along the chord, shape (n, 3)."""
         length = self.lengths[element]
         weights = hermite(local, length, derivative) / length[:, None] ** derivative
-        ends, tangents = self.ends[element], self.tangents[element]
-        values = np.stack([ends[:, 0], tangents[:, 0], ends[:, 1], tangents[:, 1]], axis=1)
-        return np.einsum("nk,nkx->nx", weights, values)
+        return np.einsum("nk,nkx->nx", weights, self._corners[element])
 
 
 def hermite(local: Vector, length: Vector, derivative: int = 0) -> FloatArray:
@@ -210,14 +214,16 @@ def hermite(local: Vector, length: Vector, derivative: int = 0) -> FloatArray:
     References:
         Neves (2016), section 4.2.1: linear rows would leave a trace of the mesh in the contact.
     """
-    s, one = local, np.ones_like(local)
+    s = local
     if derivative == 0:
         columns = [1 - 3 * s**2 + 2 * s**3, s - 2 * s**2 + s**3, 3 * s**2 - 2 * s**3, s**3 - s**2]
     elif derivative == 1:
         columns = [6 * s**2 - 6 * s, 1 - 4 * s + 3 * s**2, 6 * s - 6 * s**2, 3 * s**2 - 2 * s]
     else:
-        columns = [12 * s - 6 * one, 6 * s - 4 * one, 6 * one - 12 * s, 6 * s - 2 * one]
-    result = np.stack(columns, axis=-1)
+        columns = [12 * s - 6, 6 * s - 4, 6 - 12 * s, 6 * s - 2]
+    result = np.empty((s.size, 4))
+    for number, column in enumerate(columns):
+        result[:, number] = column
     result[:, 1::2] *= length[:, None]
     return result
 

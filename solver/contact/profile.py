@@ -13,10 +13,11 @@ a convex rail's is negative, a convex wheel's positive.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
 from numpy.typing import ArrayLike
 
 from solver.arrays import FloatArray, IntArray
@@ -102,10 +103,12 @@ class Polynomial:
 
     def derivatives(self, lateral: FloatArray) -> FloatArray:
         """Height, slope and second derivative, shape (3, ...)."""
-        curve = np.polynomial.Polynomial(self.coefficients)
-        return np.stack(
-            [curve.deriv(order)(lateral) if order else curve(lateral) for order in range(3)]
-        )
+        return np.stack([polyval(lateral, orders) for orders in self._differentiated])
+
+    @cached_property
+    def _differentiated(self) -> tuple[FloatArray, ...]:
+        """Coefficients of the polynomial and of its first two derivatives."""
+        return tuple(polyder(np.array(self.coefficients, dtype=float), k) for k in range(3))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,6 @@ import ctypes
 import shutil
 import weakref
 from collections.abc import Mapping
-from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -22,10 +21,10 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
-from pypardiso import PyPardisoSolver
 
 from solver.arrays import Arrays, FloatArray, IntVector, Matrix, SparseMatrix, Vector
 from solver.errors import SingularSystemError, SolverError
+from solver.factorisation.mkl import load_mkl
 from solver.factorisation.soundness import (
     require_accuracy,
     require_positive_diagonal,
@@ -38,20 +37,15 @@ _POSITIVE_DEFINITE = 2
 _OUT_OF_MEMORY, _ZERO_PIVOT, _SINGULAR_DIAGONAL, _INTEGER_OVERFLOW = -2, -4, -7, -8
 
 
-@cache
-def _library() -> Any:
-    """A handle of our own: pypardiso's declares argument types that exclude plain addresses.
-
-    Found once: the search for the library takes longer than many a factorisation.
-    """
-    library = ctypes.CDLL(PyPardisoSolver(mtype=_POSITIVE_DEFINITE).libmkl._name)
-    library.pardiso.restype = None
-    return library
+# With the module: where there is no MKL it cannot be imported, and what a process has loaded its
+# children find loaded.
+_LIBRARY = load_mkl()
+_LIBRARY.pardiso.restype = None
 
 
 def library_kind() -> str:
     """Version of MKL and the instructions that it takes: by these the last bits may differ."""
-    library, text = _library(), ctypes.create_string_buffer(200)
+    library, text = _LIBRARY, ctypes.create_string_buffer(200)
     library.MKL_Get_Version_String(text, ctypes.c_int(len(text)))
     branch = (library.MKL_CBWR_Get_Auto_Branch(), library.MKL_CBWR_Get(ctypes.c_int(1)))
     return f"{text.value.decode('ascii', 'replace').strip()}, branch {branch}"
@@ -89,7 +83,7 @@ class _Handle:
         if interface is not None:
             self.settings[35] = 2  # Schur complement with partial substitutions
             self._selection[interface] = 1
-        self._library = _library()
+        self._library = _LIBRARY
         self._nothing = np.zeros(1)
         weakref.finalize(self, _release, self._library, self._memory, self.settings, self.n_dof)
 

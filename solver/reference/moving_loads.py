@@ -14,6 +14,7 @@ References:
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Protocol
 
 import numpy as np
@@ -280,7 +281,7 @@ class _SprungMasses:
         self, crossing: Crossing, now: _Instant, beam: tuple[_Array, _Array], own: _Array
     ) -> _Motion:
         q, rate = beam
-        place, velocity = np.split(own, 2)
+        place, velocity = own[: len(own) // 2], own[len(own) // 2 :]
         v, surface, shape = crossing.speed, crossing.surface, now.shapes()
         contact = shape @ q + surface.elevation(now.position)
         force = self.masses * crossing.gravity + self.stiffness * (contact - place)
@@ -298,23 +299,20 @@ class _SprungMasses:
         )
 
 
-def _instant(crossing: Crossing, time: float, inside_piece: float) -> _Instant:
-    """Shapes under the loads; which span a load is on is decided inside the smooth piece."""
-    return _Instant(
-        beam=crossing.beam,
-        position=crossing.positions(time),
-        span=crossing.beam.span_at(crossing.positions(inside_piece)),
-    )
-
-
 def _solve(crossing: Crossing, law: _LoadLaw) -> Response:
     """Integrates beam and loads, then evaluates every history at the output times."""
     beam = crossing.beam
     n_mode = len(beam.angular_frequencies)
 
+    @cache
+    def span(inside_piece: float) -> _Spans:
+        # Inside the smooth piece: at its ends a load is on two spans.
+        return beam.span_at(crossing.positions(inside_piece))
+
     def motion(time: float, inside_piece: float, state: _Array) -> _Motion:
-        q, rate, own = np.split(state, [n_mode, 2 * n_mode])
-        return law.motion(crossing, _instant(crossing, time, inside_piece), (q, rate), own)
+        q, rate, own = state[:n_mode], state[n_mode : 2 * n_mode], state[2 * n_mode :]
+        now = _Instant(beam=beam, position=crossing.positions(time), span=span(inside_piece))
+        return law.motion(crossing, now, (q, rate), own)
 
     def derivative(time: float, inside_piece: float, state: _Array) -> _Array:
         now = motion(time, inside_piece, state)

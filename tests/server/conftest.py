@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from server.store import Database
+from tests.server.database_case import lay_database
 from tests.server.postgresql_server import (
     MISSING,
     PostgresqlServer,
@@ -45,6 +46,29 @@ def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
         return str(tmp_path / "trainbridge.sqlite")
     url: str = request.getfixturevalue("postgresql_url")
     return url
+
+
+@pytest.fixture(scope="session")
+def _postgresql_template(postgresql: PostgresqlServer) -> Iterator[str]:
+    """URL of a migrated PostgreSQL database that is only copied."""
+    url = postgresql.new_database()
+    Database(url).close()
+    yield url
+    postgresql.drop(url)
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def migrated_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
+    """A database of each kind with today's tables and nothing in them."""
+    if request.param == "sqlite":
+        file = tmp_path / "trainbridge.sqlite"
+        lay_database(file)
+        yield str(file)
+        return
+    server: PostgresqlServer = request.getfixturevalue("postgresql")
+    url = server.new_database(copy_of=request.getfixturevalue("_postgresql_template"))
+    yield url
+    server.drop(url)
 
 
 @pytest.fixture

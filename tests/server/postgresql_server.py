@@ -58,19 +58,25 @@ class PostgresqlServer:
         """Of a database, as users write it."""
         return f"postgresql://trainbridge@127.0.0.1:{self.port}/{database}"
 
-    def new_database(self) -> str:
-        """URL of an empty database."""
+    def new_database(self, copy_of: str = "") -> str:
+        """URL of an empty database, or of a copy of one that nobody is connected to."""
         name = f"test_{uuid.uuid4().hex}"
-        self._execute(f'CREATE DATABASE "{name}"')
+        template = f' TEMPLATE "{_name(copy_of)}"' if copy_of else ""
+        self._execute(f'CREATE DATABASE "{name}"{template}')
         return self.url(name)
 
     def drop(self, url: str) -> None:
         """Removes a database, whoever is connected."""
-        self._execute(f'DROP DATABASE IF EXISTS "{url.rpartition("/")[2]}" WITH (FORCE)')
+        self._execute(f'DROP DATABASE IF EXISTS "{_name(url)}" WITH (FORCE)')
 
     def _execute(self, statement: str) -> None:
         with closing(psycopg.connect(self.url(), autocommit=True)) as connection:
             connection.execute(statement.encode())
+
+
+def _name(url: str) -> str:
+    """A database's name."""
+    return url.rpartition("/")[2]
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import ssl
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -15,8 +16,12 @@ import uvicorn
 from fastapi import FastAPI
 
 from server.app import create_app
-from server.settings import Settings
+from server.settings import DATABASE_NAME, Settings
 from solver import studies
+from tests.server.database_case import lay_database
+
+_NO_TLS = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+"""For clients of plain HTTP: each would read the system's certificates for itself."""
 
 ENDED = {"done", "failed", "cancelled", "timed_out", "out_of_memory"}
 
@@ -38,7 +43,7 @@ class Client(httpx.Client):
     """Talks to a server in a thread of this process."""
 
     def __init__(self, port: int, app: FastAPI) -> None:
-        super().__init__(base_url=f"http://127.0.0.1:{port}", timeout=30.0)
+        super().__init__(base_url=f"http://127.0.0.1:{port}", timeout=30.0, verify=_NO_TLS)
         self.port = port
         self.app = app
 
@@ -50,8 +55,18 @@ class Client(httpx.Client):
 
 
 @contextmanager
-def serving(settings: Settings, **parts: Any) -> Iterator[Client]:
-    """A real server on a free port, and a client of it."""
+def serving(settings: Settings, *, makes_tables: bool = False, **parts: Any) -> Iterator[Client]:
+    """A real server on a free port, and a client of it.
+
+    Args:
+        settings: Of the server; a new SQLite database is there before it.
+        makes_tables: The server makes its new database itself.
+        parts: Of the application.
+    """
+    file = settings.data / DATABASE_NAME
+    if not (makes_tables or settings.database or file.exists()):
+        settings.data.mkdir(parents=True, exist_ok=True)
+        lay_database(file)
     app = create_app(settings, **parts)
     # As the server itself makes it: with the protocol named, answers are not held back.
     listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import sqlite3
-import subprocess
-import sys
 import tracemalloc
 from collections.abc import Callable, Iterator
 from contextlib import closing
@@ -25,9 +22,9 @@ from server.jobs.submission import Capacity, admit, read_submission
 from server.settings import DATABASE_NAME, Limits
 from solver import studies
 from tests.server import odd_batches
+from tests.server.command_line import refused_here, trainbridge
 from tests.server.server_case import Client, beam_study, ended, every_route, serving, settings_for
 
-ROOT = Path(__file__).parents[2]
 MIB = 1024 * 1024
 BODY_METHODS = {"POST", "PUT", "PATCH"}
 
@@ -336,17 +333,20 @@ def test_a_server_that_cannot_start_says_why(
 ) -> None:
     if prepare is not None:
         prepare(tmp_path)
-    refused = serve(tmp_path, *options, **variables)
+    settings = {f"TRAINBRIDGE_{name}": value for name, value in variables.items()}
+    refused = refused_here("serve", "--data", str(tmp_path), "--port", "0", *options, **settings)
     assert refused.returncode == 1
     assert words in refused.stderr
     assert "Traceback" not in refused.stderr
 
 
+# A guard: a second server that were to start would serve for ever.
+@pytest.mark.timeout(120)
 def test_a_second_server_leaves_the_first_alone(tmp_path: Path) -> None:
     settings = settings_for(tmp_path)
     with serving(settings, compute=odd_batches.finish) as client:
-        for _ in range(2):
-            refused = serve(settings.data)
+        for serve in (trainbridge, refused_here):
+            refused = serve("serve", "--data", str(settings.data), "--port", "0")
             assert refused.returncode == 1
             assert "--data" in refused.stderr
             assert "Traceback" not in refused.stderr
@@ -359,20 +359,6 @@ def test_the_server_stays_up(client: Client) -> None:
     assert client.json("health")["status"] == "ok"
     job = client.post("/api/v1/jobs", json={"study": beam_study()}).json()
     assert ended(client, job["id"])["state"] == "done"
-
-
-def serve(folder: Path, *options: str, **variables: str) -> subprocess.CompletedProcess[str]:
-    """A server that should not start."""
-    own = {name: value for name, value in os.environ.items() if "TRAINBRIDGE" not in name}
-    return subprocess.run(
-        [sys.executable, "-m", "server", "serve", "--data", str(folder), "--port", "0", *options],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        cwd=ROOT,
-        env=own | {f"TRAINBRIDGE_{name}": value for name, value in variables.items()},
-        check=False,
-    )
 
 
 def test_values_are_shown_shortened(client: Client) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -14,6 +13,7 @@ import pytest
 from server.store import RunReader
 from solver import studies
 from tests.server import odd_batches
+from tests.server.command_line import ROOT, refused_here, trainbridge
 from tests.server.server_case import (
     Client,
     ended,
@@ -23,22 +23,7 @@ from tests.server.server_case import (
     submit,
 )
 
-ROOT = Path(__file__).parents[2]
 TOKEN = "correct horse battery staple"
-
-
-def trainbridge(*words: str, given: str = "", **variables: str) -> subprocess.CompletedProcess[str]:
-    own = {name: value for name, value in os.environ.items() if "TRAINBRIDGE" not in name}
-    return subprocess.run(
-        [sys.executable, "-m", "server", *words],
-        input=given,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        cwd=ROOT,
-        check=False,
-        env={**own, "COLUMNS": "200", **variables},
-    )
 
 
 @pytest.mark.slow
@@ -136,7 +121,7 @@ def test_a_full_disk_is_said_in_a_line(tmp_path: Path) -> None:
 def test_a_bad_study_is_explained(tmp_path: Path, text: str, words: str) -> None:
     study = tmp_path / "study.json"
     study.write_text(text)
-    refused = trainbridge("run", str(study), "--out", str(tmp_path / "out"))
+    refused = refused_here("run", str(study), "--out", str(tmp_path / "out"))
     assert refused.returncode == 2
     assert words in refused.stderr
     assert "Traceback" not in refused.stderr
@@ -160,9 +145,13 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Client]:
 
 def ask(server: Client, *words: str, given: str = "") -> subprocess.CompletedProcess[str]:
     """A command that finds server and token in the environment."""
+    return trainbridge(*words, given=given, **place_of(server))
+
+
+def place_of(server: Client) -> dict[str, str]:
+    """Variables that name the server and its token."""
     address = f"http://127.0.0.1:{server.port}"
-    variables = {"TRAINBRIDGE_SERVER": address, "TRAINBRIDGE_TOKEN": TOKEN}
-    return trainbridge(*words, given=given, **variables)
+    return {"TRAINBRIDGE_SERVER": address, "TRAINBRIDGE_TOKEN": TOKEN}
 
 
 @pytest.mark.slow
@@ -218,7 +207,7 @@ def test_a_job_that_did_not_end_well_fails_the_command(tmp_path: Path) -> None:
 def test_what_cannot_be_done_is_said_in_a_line(
     server: Client, words: list[str], given: str, status: int, said: str
 ) -> None:
-    refused = ask(server, *words, given=given)
+    refused = refused_here(*words, given=given, **place_of(server))
     assert refused.returncode == status, refused.stderr
     assert said in refused.stderr
     assert "Traceback" not in refused.stderr
@@ -240,19 +229,19 @@ def test_the_settings_are_printed(tmp_path: Path) -> None:
     assert by_name["port"]["source"] == "variable TRAINBRIDGE_PORT"
     assert by_name["quota_bytes"]["source"] == f"file {file}"
     assert "limits.runs_per_job" in by_name
-    table = trainbridge("config", **variables)
+    table = refused_here("config", **variables)
     assert TOKEN not in table.stdout + json.dumps(shown)
     assert len(table.stdout.splitlines()) >= len(shown)
-    refused = trainbridge("config", TRAINBRIDGE_PROT="1")
+    refused = refused_here("config", TRAINBRIDGE_PROT="1")
     assert refused.returncode == 1
     assert "Did you mean TRAINBRIDGE_PORT" in refused.stderr
 
 
 def test_a_worker_needs_a_scheduler_that_is_safe() -> None:
-    refused = trainbridge("worker")
+    refused = refused_here("worker")
     assert refused.returncode == 1
     assert "--scheduler" in refused.stderr
-    refused = trainbridge("worker", "--scheduler", "tcp://10.1.2.3:8786")
+    refused = refused_here("worker", "--scheduler", "tcp://10.1.2.3:8786")
     assert refused.returncode == 1
     assert "any" in refused.stderr
     assert "tls://" in refused.stderr

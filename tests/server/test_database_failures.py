@@ -36,9 +36,9 @@ Open = Callable[..., Database]
 
 
 @pytest.fixture
-def database(database_url: str, open_database: Open) -> Database:
+def database(migrated_url: str, open_database: Open) -> Database:
     """An empty database with little patience."""
-    return open_database(database_url, busy_seconds=BUSY)
+    return open_database(migrated_url, busy_seconds=BUSY)
 
 
 @contextmanager
@@ -64,11 +64,11 @@ def kill_connections(database: Database) -> int:
 
 @pytest.mark.slow
 def test_a_locked_database_is_told_in_time_and_nothing_is_half_done(
-    database: Database, database_url: str, open_database: Open
+    database: Database, migrated_url: str, open_database: Open
 ) -> None:
     job = add(database)
     (batch,) = database.queued_batches(1)
-    other = open_database(database_url)
+    other = open_database(migrated_url)
     with writing(other):
         began = time.monotonic()
         for write in (
@@ -153,11 +153,11 @@ def test_events_are_numbered_in_the_order_in_which_they_are_committed(
 
 
 def test_a_number_is_given_only_after_the_smaller_ones_are_committed(
-    database: Database, database_url: str, open_database: Open
+    database: Database, migrated_url: str, open_database: Open
 ) -> None:
     """The same without chance: while one writer holds a number, no other gets the next."""
     job = add(database)
-    other = open_database(database_url)
+    other = open_database(migrated_url)
     with writing(other), pytest.raises(OperationalError):
         database.record({}, [NewEvent(job=job.id, kind="log")])
 

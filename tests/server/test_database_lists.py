@@ -35,9 +35,9 @@ def clock() -> Clock:
 
 
 @pytest.fixture
-def database(database_url: str, clock: Clock, open_database: Callable[..., Database]) -> Database:
+def database(migrated_url: str, clock: Clock, open_database: Callable[..., Database]) -> Database:
     """An empty database."""
-    return open_database(database_url, clock=clock)
+    return open_database(migrated_url, clock=clock)
 
 
 def test_a_filter_finds_jobs_and_pages_follow_each_other(database: Database, clock: Clock) -> None:

@@ -17,9 +17,9 @@ Open = Callable[..., Database]
 
 
 @pytest.fixture
-def database(database_url: str, open_database: Open) -> Database:
+def database(migrated_url: str, open_database: Open) -> Database:
     """An empty database."""
-    return open_database(database_url, clock=lambda: 1000.0)
+    return open_database(migrated_url, clock=lambda: 1000.0)
 
 
 def told(database: Database, job: str) -> list[tuple[bool, str, int | None]]:
@@ -126,9 +126,9 @@ def test_runs_wait_for_the_model_that_they_share(database: Database) -> None:
 
 
 def test_the_last_runs_end_at_once_and_one_gather_follows(
-    database_url: str, open_database: Open
+    migrated_url: str, open_database: Open
 ) -> None:
-    first, second = open_database(database_url), open_database(database_url)
+    first, second = open_database(migrated_url), open_database(migrated_url)
     for _ in range(5):
         job = add(first, runs=2, wants_gather=True)
         batches = [start(first, batch) for batch in first.queued_batches(2)]
@@ -297,9 +297,9 @@ def test_a_deleted_job_disappears_at_once_and_its_rows_later(database: Database)
 
 
 @pytest.mark.slow
-def test_retention_and_cleaning_know_what_is_needed(database_url: str, open_database: Open) -> None:
+def test_retention_and_cleaning_know_what_is_needed(migrated_url: str, open_database: Open) -> None:
     now = [100.0]
-    database = open_database(database_url, clock=lambda: now[0])
+    database = open_database(migrated_url, clock=lambda: now[0])
     old = add(database, model="m")
     while compute(database):
         pass

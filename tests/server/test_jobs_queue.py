@@ -28,7 +28,7 @@ from tests.server.server_case import (
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Client, dict[str, Any]]]:
     """A server with one finished run of the sprung mass."""
-    with serving(settings_for(tmp_path_factory.mktemp("server"))) as client:
+    with serving(settings_for(tmp_path_factory.mktemp("server")), makes_tables=True) as client:
         job = ended(client, submit(client, beam_study())["id"])
         assert job["state"] == "done", job
         yield client, job

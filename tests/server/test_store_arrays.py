@@ -123,6 +123,31 @@ def test_slab_peaks_come_back(tmp_path: Path, judged: bool) -> None:
         assert stored.filtered_time is None
 
 
+@pytest.mark.parametrize(("n_vertex", "shards"), [(N_VERTEX, 1), (4000, 3)])
+def test_small_frames_share_a_file_and_large_ones_do_not(
+    tmp_path: Path, n_vertex: int, shards: int
+) -> None:
+    """A beam has hundreds of frames a second, each of four arrays: files for all of them would cost
+    more than the run itself. A viaduct's frame leaves the memory at once."""
+    plan = make_plan(40)
+    plan = replace(plan, geometry=replace(plan.geometry, vertices=np.zeros((n_vertex, 3))))
+    writer = RunWriter(tmp_path / "run", plan)
+    for sample in samples_of(plan):
+        frame = sample.frame and replace(
+            sample.frame,
+            displacement=np.full((n_vertex, 3), float(sample.step)),
+            velocity=np.zeros(n_vertex),
+            acceleration=np.zeros(n_vertex),
+        )
+        writer.append(replace(sample, frame=frame))
+    writer.flush()
+    live = tmp_path / "run" / "live.zarr" / "frames"
+    assert len([file for file in live.rglob("c*") if file.is_file()]) == shards
+    reader = RunReader(tmp_path / "run")
+    assert reader.committed_frames == plan.n_frame == 3
+    assert [reader.frame(index).displacement[0, 0] for index in range(3)] == [0.0, 20.0, 40.0]
+
+
 def test_a_run_without_slab_or_frames_is_stored(tmp_path: Path) -> None:
     plan = make_plan(30, n_point=0)
     writer = RunWriter(tmp_path / "run", plan)

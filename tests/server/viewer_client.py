@@ -60,6 +60,7 @@ class SceneClient:
             max_size=None,
             compression=None,
             proxy=None,
+            open_timeout=60.0,
         )
         self.nodes: dict[str, dict[str, Any]] = {}
         self.poses: dict[str, tuple[float, float, float]] = {}

@@ -15,8 +15,9 @@ from solver.integrators import HHT
 from solver.irregularities import IsolatedDefect
 from solver.models.train import build_train
 from solver.simulation import LINES, STRUCTURE, TRAIN, Simulation
-from solver.studies import Study, prepare
+from solver.studies import Study
 from solver.system.assembled import assemble_track
+from tests.solver.models_case import prepare
 
 GRAVITY = 9.81
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
+from importlib.metadata import PackageNotFoundError
+
 import numpy as np
 import pytest
 import scipy.sparse as sparse
 
 from solver.errors import SingularSystemError
+from solver.factorisation import mkl
 from solver.factorisation.superlu import SuperLUCondensation, SuperLUFactorisation
 
 pardiso = pytest.importorskip(
@@ -132,3 +136,30 @@ def test_whole_numbers_are_loads_too() -> None:
     matrix = chain(20)
     factor = pardiso.PardisoFactorisation(matrix, "chain")
     np.testing.assert_allclose(matrix @ factor.solve(np.arange(20)), np.arange(20), atol=1e-12)
+
+
+def test_mkl_is_taken_from_its_package_without_a_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """pypardiso's search through every folder of the environment takes longer than short runs."""
+
+    def search(*arguments: object, **options: object) -> None:
+        raise AssertionError("MKL was searched for")
+
+    monkeypatch.delenv("PYPARDISO_MKL_RT", raising=False)
+    monkeypatch.setattr("pypardiso.pardiso_wrapper.find_library", search)
+    monkeypatch.setattr("pypardiso.pardiso_wrapper.glob.glob", search)
+    assert mkl.load_mkl().pardiso
+
+
+def test_mkl_that_came_without_a_package_is_pypardisos_to_find(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = mkl.load_mkl()._name
+
+    def files(name: str) -> None:
+        raise PackageNotFoundError(name)
+
+    monkeypatch.setattr(mkl, "files", files)
+    monkeypatch.delenv("PYPARDISO_MKL_RT", raising=False)
+    monkeypatch.setattr("pypardiso.pardiso_wrapper.find_library", lambda name: found)
+    assert mkl.load_mkl()._name == found
+    assert "PYPARDISO_MKL_RT" not in os.environ

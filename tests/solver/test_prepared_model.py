@@ -49,9 +49,11 @@ class Memory:
 
 @pytest.fixture(scope="module")
 def study(small_study: Study) -> Study:
-    """Two speeds; the first axle already stands on the span."""
+    """Two speeds; a short span, on which the first axle already stands."""
     return replace(
         small_study,
+        viaduct=replace(small_study.viaduct, spans=(6.0,)),
+        track=replace(small_study.track, embankment_length=3.0),
         extent=Extent(run_in=0.0, run_out=0.1),
         sweep=Sweep(speeds=(70.0, 95.0)),
     )
@@ -357,7 +359,7 @@ def test_studies_that_differ_in_the_model_do_not(study: Study) -> None:
         replace(study, irregularity=IsolatedDefect()),
         replace(study, extent=replace(study.extent, run_in=1.0)),
         replace(study, train=replace(study.train, consist=study.train.consist[1:])),
-        replace(study, viaduct=replace(study.viaduct, spans=(12.0, 12.0))),
+        replace(study, viaduct=replace(study.viaduct, spans=(6.0, 6.0))),
         replace(study, track=replace(study.track, embankment_length=7.0)),
         replace(study, approach=replace(study.approach, bed_damping=1e4)),
     ]

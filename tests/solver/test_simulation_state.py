@@ -15,8 +15,9 @@ from solver.irregularities import IsolatedDefect
 from solver.models.train import SprungMasses
 from solver.results import Sample
 from solver.simulation import Simulation
-from solver.studies import Study, prepare, template
+from solver.studies import Study, template
 from solver.studies.study import Contact, Integration, Outputs
+from tests.solver.models_case import prepare
 
 BEAM = replace(
     template("sprung-mass-beam").study,
@@ -26,6 +27,7 @@ BEAM = replace(
 FLIGHT = replace(
     template("two-span-separation").study, integration=Integration(alpha=-0.1, time_step=1e-3)
 )
+
 DEFECT = IsolatedDefect(position=12.5, rail="left", amplitude=5e-3, wave_number=5.0)
 
 STUDIES = {
@@ -116,9 +118,9 @@ def test_a_viaduct_with_pads_is_taken_up(small_study: Study) -> None:
     """Structure, pads, rails and a train of many wheels; the large factor is made anew."""
     defect = IsolatedDefect(amplitude=0.005, position=-19.0, rail="right", wave_number=5.0)
     study = replace(small_study, irregularity=defect)
-    taken_up(lambda: prepare(study), [3, 41], 60)
+    taken_up(lambda: prepare(study, factor_anew=True), [3, 41], 60)
     rigid = replace(study, contact=Contact(law="rigid"))
-    taken_up(lambda: prepare(rigid), [3, 4, 30], 60)
+    taken_up(lambda: prepare(rigid, factor_anew=True), [3, 4, 30], 60)
 
 
 def test_what_was_taken_is_a_copy() -> None:

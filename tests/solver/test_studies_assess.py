@@ -11,7 +11,8 @@ import pytest
 from solver.arrays import IntVector, Matrix
 from solver.results import RunPlan
 from solver.simulation import Extremes
-from solver.studies import Study, assess, prepare, template
+from solver.studies import Study, assess, template
+from tests.solver.models_case import prepare
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,9 @@ from solver.models.ballasted_track import TrackProperties
 from solver.models.viaduct import ViaductProperties
 from solver.results import RunPlan, Sample
 from solver.simulation import LINES, STRUCTURE, TRAIN, Simulation
-from solver.studies import Study, prepare, template
+from solver.studies import Study, template
 from solver.studies.study import Extent, Outputs
+from tests.solver.models_case import prepare
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,9 @@ from solver.errors import InputError, SingularSystemError, UnstableError
 from solver.integrators import Motion
 from solver.irregularities import IsolatedDefect
 from solver.simulation import LINES, TRAIN, Simulation
-from solver.studies import Study, prepare, template
+from solver.studies import Study, template
 from solver.studies.study import Contact, Integration
+from tests.solver.models_case import prepare
 
 BEAM = template("sprung-mass-beam").study
 

@@ -6,7 +6,7 @@ What the second test measures is what the page shows beside a coarse run
 
 from __future__ import annotations
 
-from itertools import islice
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -18,16 +18,15 @@ from solver.studies import prepare, template
 
 STATIC_LOAD = 83.385e3
 CUT_OFF = 30.0
+NAMES = (
+    "mid-span 2, axis/displacement",
+    "mid-span 2, axis/acceleration",
+    "wheel 01 right/contact force",
+)
 
 
 def channel(simulation: Simulation, name: str) -> int:
     return [entry.name for entry in simulation.plan.channels].index(name)
-
-
-def histories(simulation: Simulation, names: list[str], n_sample: int | None = None) -> np.ndarray:
-    columns = [channel(simulation, name) for name in names]
-    samples = islice(simulation.samples(), n_sample)
-    return np.array([sample.channels[columns] for sample in samples])
 
 
 def first_wheel_bands(x: np.ndarray, force: np.ndarray) -> dict[str, tuple[float, float]]:
@@ -47,35 +46,48 @@ def assert_smooth_passage(bands: dict[str, tuple[float, float]]) -> None:
     assert bands["structure"][1] < 83.4e3 + 10e3
 
 
-@pytest.mark.slow
-def test_first_wheel_passes_smoothly_on_the_coarse_mesh() -> None:
-    simulation = prepare(template("khst-alverca").study)
+@dataclass(frozen=True)
+class Passage:
+    """A whole crossing's histories, shape (n_sample, 3) for ``NAMES``, and x of the first wheel."""
+
+    values: np.ndarray
+    x: np.ndarray
+    time_step: float
+
+
+def passage(name: str) -> Passage:
+    simulation = prepare(template(name).study)
     plan = simulation.plan
-    n_sample = int((66.0 + 58.5) / (plan.speed * plan.time_step)) + 2
-    force = histories(simulation, ["wheel 01 right/contact force"], n_sample)[:, 0]
-    x = plan.start_position + plan.speed * plan.time_step * np.arange(n_sample)
+    columns = [channel(simulation, wanted) for wanted in NAMES]
+    values = np.array([sample.channels[columns] for sample in simulation.samples()])
+    x = plan.start_position + plan.speed * plan.time_step * np.arange(len(values))
+    return Passage(values, x, plan.time_step)
+
+
+@pytest.fixture(scope="module")
+def on_the_coarse_mesh() -> Passage:
+    """Half a minute and more: computed once."""
+    return passage("khst-alverca")
+
+
+@pytest.mark.slow
+def test_first_wheel_passes_smoothly_on_the_coarse_mesh(on_the_coarse_mesh: Passage) -> None:
+    force = on_the_coarse_mesh.values[:, 2]
     assert force[0] == pytest.approx(STATIC_LOAD, rel=1e-9)
-    assert_smooth_passage(first_wheel_bands(x, force))
+    assert_smooth_passage(first_wheel_bands(on_the_coarse_mesh.x, force))
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
-def test_coarse_mesh_is_as_accurate_as_the_page_says() -> None:
+def test_coarse_mesh_is_as_accurate_as_the_page_says(on_the_coarse_mesh: Passage) -> None:
     """Displacement within 3, acceleration within 10 percent, first wheel's band within 5 kN."""
-    names = [
-        "mid-span 2, axis/displacement",
-        "mid-span 2, axis/acceleration",
-        "wheel 01 right/contact force",
-    ]
     peaks = {}
-    for level, name in (("coarse", "khst-alverca"), ("standard", "khst-alverca-standard")):
-        simulation = prepare(template(name).study)
-        plan = simulation.plan
-        values = histories(simulation, names)
-        x = plan.start_position + plan.speed * plan.time_step * np.arange(len(values))
-        bands = first_wheel_bands(x, values[:, 2])
+    passages = {"coarse": on_the_coarse_mesh, "standard": passage("khst-alverca-standard")}
+    for level, found in passages.items():
+        values = found.values
+        bands = first_wheel_bands(found.x, values[:, 2])
         assert_smooth_passage(bands)
-        filtered = low_pass(values[:, 1:2], plan.time_step, CUT_OFF)[:, 0]
+        filtered = low_pass(values[:, 1:2], found.time_step, CUT_OFF)[:, 0]
         peaks[level] = (
             float(np.abs(values[:, 0]).max()),
             float(np.abs(filtered).max()),
