@@ -36,6 +36,9 @@ __all__ = [
 KINDS: tuple[JobKind, ...] = get_args(JobKind)
 """What a job can compute."""
 
+_EVERY_DIGIT = 17
+"""So many digits tell any two floating-point numbers apart."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Submission:
@@ -201,16 +204,13 @@ def limit_findings(
             "Choose a longer frame interval or a coarser mesh, or free some disk.",
         ),
     ]
-    return [
-        _finding(
-            (*path, *place),
-            _amount(value, unit),
-            f"needs {_amount(value, unit)} {name}; the limit is {_amount(limit, unit)}",
-            remedy,
-        )
-        for name, value, limit, unit, place, remedy in rules
-        if not value <= limit
-    ]
+    findings: list[Finding] = []
+    for name, value, limit, unit, place, remedy in rules:
+        if not value <= limit:
+            needed, allowed = _amounts(value, limit, unit)
+            reason = f"needs {needed} {name}; the limit is {allowed}"
+            findings.append(_finding((*path, *place), needed, reason, remedy))
+    return findings
 
 
 def report_document(
@@ -227,8 +227,16 @@ def report_document(
     }
 
 
-def _amount(value: float, unit: str) -> str:
-    return f"{value / 1e9:.3g} {unit}" if unit else f"{value:.9g}"
+def _amounts(value: float, limit: float, unit: str) -> tuple[str, str]:
+    """A need and its limit in words, with as many digits as tell them apart."""
+    scale, few = (1e9, 3) if unit else (1.0, 9)
+    texts = ("", "")
+    for digits in range(few, _EVERY_DIGIT + 1):
+        needed, allowed = (f"{each / scale:.{digits}g} {unit}".rstrip() for each in (value, limit))
+        texts = needed, allowed
+        if needed != allowed:
+            break
+    return texts
 
 
 def _report_findings(findings: Sequence[Any], path: Sequence[str]) -> list[Finding]:

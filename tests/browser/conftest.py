@@ -11,20 +11,21 @@ import signal
 import socket
 import subprocess
 import sys
-import time
-import urllib.error
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.browser.waiting import patient, patient_expectations, until
+
 ROOT = Path(__file__).parents[2]
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 PACKAGES = "apt-get install chromium fonts-dejavu-core libegl1 libegl-mesa0 libgl1-mesa-dri"
-START_SECONDS = 30.0
+START_SECONDS = 120.0
+STOP_SECONDS = 60.0
 MESA = ("--no-sandbox", "--use-angle=gl-egl", "--ignore-gpu-blocklist")
 
 
@@ -46,19 +47,19 @@ def _free_port() -> int:
 
 
 def _wait_until_up(address: str, process: subprocess.Popen[bytes]) -> None:
-    deadline = time.monotonic() + START_SECONDS
-    while time.monotonic() < deadline:
+    def answers() -> bool:
         assert process.poll() is None, "the server ended before it answered"
         try:
-            with urllib.request.urlopen(f"{address}/api/v1/meta", timeout=1):
-                return
-        except (urllib.error.URLError, TimeoutError):
-            time.sleep(0.1)
-    raise AssertionError("the server did not answer in time")
+            with urllib.request.urlopen(f"{address}/api/v1/meta", timeout=START_SECONDS):
+                return True
+        except OSError:  # refused, reset, or not within the time
+            return False
+
+    until(answers, "an answer of the server", seconds=START_SECONDS)
 
 
 @contextmanager
-def running_server(data: Path, port: int) -> Iterator[str]:
+def running_server(data: Path, port: int) -> Generator[str]:
     """A server of its own process on a data folder; gives its address.
 
     Args:
@@ -76,7 +77,7 @@ def running_server(data: Path, port: int) -> Iterator[str]:
     finally:
         process.send_signal(signal.SIGTERM)
         try:
-            process.wait(10)
+            process.wait(STOP_SECONDS)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
@@ -102,6 +103,7 @@ def chromium() -> Iterator[Any]:
     """One browser for each file: two drivers of Playwright cannot run at once."""
     from playwright.sync_api import sync_playwright
 
+    patient_expectations()
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(MESA))
         yield browser
@@ -121,7 +123,7 @@ def new_page(chromium: Any, server: str) -> Iterator[Callable[..., Any]]:
     errors: list[str] = []
 
     def open_page(*, viewer: bool = False, **options: Any) -> Any:
-        context = chromium.new_context(base_url=server, **options)
+        context = patient(chromium.new_context(base_url=server, **options))
         contexts.append(context)
         if not viewer:  # The 3D view is heavy, and these tests are not about it.
             context.route(

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from tests.browser.recorded import SILENT_STREAM, answer, job_address, play
+from tests.browser.waiting import still
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
 pytest.importorskip("axe_playwright_python", reason="pip install axe-playwright-python")
@@ -89,8 +90,7 @@ def _settle(page: Any) -> None:
     """Until what was asked for has been drawn: axe judges no half-drawn page."""
     page.locator("main > *").first.wait_for()
     expect(page.locator("main .skeleton")).to_have_count(0)
-    page.wait_for_load_state("networkidle")
-    page.wait_for_timeout(300)  # charts are drawn once their library and figure are here
+    still(page)
 
 
 ALIKE = ("job-failed", "job-timed_out", "job-out_of_memory", "job-cancelled", "job-queued")
@@ -109,7 +109,7 @@ def _every_view(page: Any, name: str, look: Callable[[str], None]) -> None:
         _settle(page)
         look(f"tab {tab.inner_text()}")
     page.evaluate(UNFOLD)
-    page.wait_for_timeout(300)
+    _settle(page)
     look("unfolded")
 
 
@@ -178,7 +178,7 @@ def test_menu_and_banner_are_as_good(new_page: Callable[..., Any], scheme: str) 
     play(page, stream=SILENT_STREAM)
     page.goto("/#/jobs")
     _settle(page)
-    page.get_by_text("No connection to the server.").wait_for(timeout=5_000)
+    page.get_by_text("No connection to the server.").wait_for()
     page.get_by_role("button", name="Theme: as the system").click()
     page.get_by_role("radio", name="Dark").wait_for()
     found = violations(page)
@@ -192,7 +192,7 @@ def test_the_theme_is_chosen_and_remembered(new_page: Callable[..., Any]) -> Non
     page.get_by_role("button", name="Theme: as the system").click()
     page.get_by_role("radio", name="Dark").check()
     theme = "document.documentElement.dataset.theme"
-    assert page.evaluate(theme) == "dark"
+    expect(page.locator("html")).to_have_attribute("data-theme", "dark")
     other = page.context.new_page()
     # Before any module has run: a dark page must not flash white.
     other.route("**/static/js/main.js", lambda route: route.abort())
@@ -201,7 +201,7 @@ def test_the_theme_is_chosen_and_remembered(new_page: Callable[..., Any]) -> Non
     page.reload()
     page.get_by_role("button", name="Theme: dark").click()
     page.get_by_role("radio", name="As the system").check()
-    assert page.evaluate(theme) == "light"
+    expect(page.locator("html")).to_have_attribute("data-theme", "light")
     page.emulate_media(color_scheme="dark")
     expect(page.locator("html")).to_have_attribute("data-theme", "dark")
 

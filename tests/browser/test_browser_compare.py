@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-import time
+import re
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
+from tests.browser.waiting import DONE_MS, PAGE_MS, until
+
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
 expect = sync_api.expect
 
-PREVIEW_MS = 60_000
+PREVIEW_MS = 3 * PAGE_MS
+"""All figures of a report are drawn on the server first. [ms]"""
 
 
 def _done(page: Any, server: str, **changes: Any) -> dict[str, Any]:
@@ -21,14 +24,19 @@ def _done(page: Any, server: str, **changes: Any) -> dict[str, Any]:
     study["train"]["mass"] = changes.pop("mass", study["train"]["mass"])
     study |= changes
     made = page.request.post(f"{server}/api/v1/jobs", data={"study": study}).json()
-    limit = time.monotonic() + 90.0
-    while time.monotonic() < limit:
+
+    def look() -> dict[str, Any]:
         job = page.request.get(f"{server}/api/v1/jobs/{made['id']}").json()
-        if job["state"] == "done":
-            return job
-        assert job["state"] in ("queued", "running"), job
-        time.sleep(0.2)
-    raise AssertionError("the job did not end in time")
+        assert job["state"] in ("queued", "running", "done"), job
+        return dict(job)
+
+    return until(
+        look,
+        f"the end of the job {study['name']}",
+        page=page,
+        met=lambda job: job["state"] == "done",
+        seconds=DONE_MS / 1e3,
+    )
 
 
 def test_runs_stand_side_by_side(
@@ -41,23 +49,24 @@ def test_runs_stand_side_by_side(
     expect(inputs.get_by_role("row").nth(1)).to_contain_text("Train")
     expect(inputs.get_by_role("row").nth(1)).to_contain_text("5.75 t")
     expect(inputs.get_by_role("row").nth(1)).to_contain_text("8 t")
-    assert inputs.get_by_role("row").count() == 2
+    expect(inputs.get_by_role("row")).to_have_count(2)
     deck = page.get_by_role("region", name="Deck").get_by_role("row")
     sag = deck.filter(has_text="Mid-span 1, displacement, least")
     expect(sag.locator(".change")).to_have_count(1)
-    assert sag.locator(".change").inner_text().startswith("+")  # The heavier mass sinks deeper.
+    # The heavier mass sinks deeper.
+    expect(sag.locator(".change")).to_have_text(re.compile(r"^\+"))
     page.locator("tb-chart[data-figure=histories] .trace").nth(1).wait_for()
     page.locator("tb-chart[data-figure=envelope] .trace").nth(1).wait_for()
     picture(page, "compare")
     # The baseline is pinned: the first column, and every change is against it.
     page.get_by_role("radio", name="Baseline: Heavy mass").check()
-    page.wait_for_function("location.hash.includes('base=')")
+    expect(page).to_have_url(re.compile("base="))
     expect(page.locator(".compare-runs li").first).to_contain_text("Heavy mass")
     expect(sag.locator(".change")).to_contain_text("−")
     page.get_by_label("History", exact=True).select_option("wheel 01/contact force")
     chart = page.locator("tb-chart[data-figure=histories]")
     expect(chart.get_by_role("heading")).to_contain_text("ontact force")
-    assert "channel=wheel" in page.url
+    expect(page).to_have_url(re.compile("channel=wheel"))
     # A shared link shows the same.
     page.reload()
     expect(page.locator(".compare-runs li").first).to_contain_text("Heavy mass")
@@ -77,7 +86,7 @@ def test_runs_are_added_and_removed(page: Any, server: str) -> None:
     found.first.get_by_role("button", name="Add").click()
     expect(page.locator(".compare-runs li")).to_have_count(2)
     for run in job["runs"]:
-        assert run["id"] in page.url
+        expect(page).to_have_url(re.compile(run["id"]))
     # Runs of one job are told apart by their speeds.
     expect(page.locator(".compare-name")).to_have_text(["72 km/h", "108 km/h"])
     page.get_by_role("button", name="Remove 72 km/h").click()
@@ -95,10 +104,11 @@ def test_the_report_is_previewed_and_saved(
     expect(project).to_have_value("For the file")
     paper = page.frame_locator("iframe.report-preview")
     paper.get_by_role("heading", name="1. Result").wait_for(timeout=PREVIEW_MS)
-    assert paper.get_by_role("img").first.evaluate("img => img.naturalWidth") > 100
+    figure = paper.get_by_role("img").first
+    until(lambda: figure.evaluate("img => img.naturalWidth") > 100, "a figure", page=page)
     page.get_by_label("Author").fill("E. <b>Engineer</b>")
     paper.get_by_text("E. <b>Engineer</b>").wait_for(timeout=PREVIEW_MS)
-    assert "author=" in page.url
+    expect(page).to_have_url(re.compile("author="))
     picture(page, "report")
     for name, magic in (("Download PDF", b"%PDF"), ("Download HTML", b"<!doctype html>")):
         with page.expect_download(timeout=PREVIEW_MS) as download:

@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from typing import Any
 
 import pytest
 
 from tests.browser.recorded import answer, job_address, play
+from tests.browser.waiting import DONE_MS, drawn_again, patient, until
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
 expect = sync_api.expect
 
-DONE_MS = 60_000
 BLIND = """
 Object.defineProperty(window, "trainbridgeColours", {
   get: () => ({ ok: false, coloured: [] }), set: () => {},
@@ -30,7 +31,7 @@ def beam(server: str, chromium: Any) -> str:
 
 
 def _submitted(chromium: Any, server: str, template: str) -> str:
-    context = chromium.new_context(base_url=server)
+    context = patient(chromium.new_context(base_url=server))
     study = context.request.get(f"/api/v1/templates/{template}").json()
     job = context.request.post("/api/v1/jobs", data={"study": study}).json()["id"]
     page = context.new_page()
@@ -43,15 +44,19 @@ def _submitted(chromium: Any, server: str, template: str) -> str:
 
 def _open(page: Any, job: str, query: str = "") -> str:
     """Opens a job and waits for its viewing session."""
-    page.goto(f"/#/jobs/{job}{query}")
+    return _opened(page, f"/#/jobs/{job}{query}")
+
+
+def _opened(page: Any, address: str) -> str:
+    page.goto(address)
     view = page.locator("tb-viewer-frame[data-session]")
     view.wait_for(timeout=DONE_MS)
     expect(page.get_by_role("slider", name="Time")).to_be_enabled(timeout=DONE_MS)
     return str(view.get_attribute("data-session"))
 
 
-def _shown(page: Any, session: str) -> dict[str, Any]:
-    return dict(page.request.get(f"/api/v1/viewer/{session}").json())
+def _shown(page: Any, session: str, server: str = "") -> dict[str, Any]:
+    return dict(page.request.get(f"{server}/api/v1/viewer/{session}").json())
 
 
 def test_a_cancelled_job_is_tried_again(page: Any) -> None:
@@ -100,29 +105,39 @@ def test_a_queued_job_is_moved_in_the_queue(page: Any, button: str, priority: in
 
 
 def test_a_view_that_was_paused_for_another_says_so_and_resumes(
-    page: Any, server: str, beam: str
+    page: Any, chromium: Any, another_server: Callable[[], AbstractContextManager[str]]
 ) -> None:
-    session = _open(page, beam, "?t=0.1")
-    run = _shown(page, session)["run"]
-    page.get_by_label("Speed of the playback").select_option("0.01")
-    page.get_by_role("button", name="Play", exact=True).click()
-    page.get_by_role("button", name="Pause").wait_for()
-    others: list[str] = []
-    for _ in range(5):  # five may stream at once: the sixth stops the one that played longest
-        opened = page.request.post(f"/api/v1/runs/{run}/viewer", data={}).json()["session"]
-        others.append(opened)
-        page.request.put(f"/api/v1/viewer/{opened}", data={"playing": True})
-    message = page.locator("tb-viewer-message")
-    expect(message).to_be_visible(timeout=15_000)
-    page.get_by_role("button", name="Play", exact=True).wait_for()
-    message.get_by_role("button", name="Resume").click()
-    page.get_by_role("button", name="Pause").wait_for()
-    expect(message).to_be_hidden(timeout=15_000)
-    assert _shown(page, session)["playing"] is True
-    paused = [_shown(page, other)["paused"] for other in others]
-    assert sum(bool(reason) for reason in paused) == 1
-    for other in others:
-        page.request.delete(f"/api/v1/viewer/{other}")
+    # A server of its own: views that other tests left playing would be paused in place of this one.
+    with another_server() as server:
+        job = _submitted(chromium, server, "two-span-separation")
+        session = _opened(page, f"{server}/#/jobs/{job}?t=0.1")
+        run = _shown(page, session, server)["run"]
+        page.get_by_label("Speed of the playback").select_option("0.01")
+        page.get_by_role("button", name="Play", exact=True).click()
+        page.get_by_role("button", name="Pause").wait_for()
+        until(
+            lambda: _shown(page, session, server)["playing"],
+            "the server plays what the page plays",
+            page=page,
+        )
+        others: list[str] = []
+        for _ in range(5):  # five may stream at once: the sixth stops the one that played longest
+            opened = page.request.post(f"{server}/api/v1/runs/{run}/viewer", data={}).json()
+            others.append(opened["session"])
+            page.request.put(
+                f"{server}/api/v1/viewer/{opened['session']}",
+                data={"playing": True, "rate": 0.01, "time": 0.0},
+            )
+        message = page.locator("tb-viewer-message")
+        expect(message).to_be_visible()
+        page.get_by_role("button", name="Play", exact=True).wait_for()
+        message.get_by_role("button", name="Resume").click()
+        page.get_by_role("button", name="Pause").wait_for()
+        expect(message).to_be_hidden()
+        assert _shown(page, session, server)["playing"] is True
+        paused = [_shown(page, other, server)["paused"] for other in others]
+        assert sum(bool(reason) for reason in paused) == 1
+        page.goto("about:blank")
 
 
 def test_a_replay_is_saved_of_what_is_zoomed_to(page: Any, beam: str) -> None:
@@ -145,18 +160,20 @@ def test_a_point_is_chosen_with_the_keyboard_and_a_shared_link_marks_it(
     page.keyboard.type("0")
     page.keyboard.press("Enter")
     page.locator("tb-chart[data-figure=point-displacement] .trace").first.wait_for(timeout=DONE_MS)
-    assert "place=10%2C0%2C" in page.url
+    expect(page).to_have_url(re.compile("place=10%2C0%2C"))
     other = new_page(viewport={"width": 1280, "height": 860})
     other.goto(page.url)
     other.locator("tb-chart[data-figure=point-displacement] .trace").first.wait_for()
     expect(other.get_by_label("x [m]")).to_have_value("10")
     for one in (page, other):
-        session = one.locator("tb-viewer-frame").get_attribute("data-session")
-        for _ in range(20):
-            if _shown(one, session)["picked"]:
-                break
-            one.wait_for_timeout(200)
-        assert _shown(one, session)["picked"]["point"][0] == pytest.approx(10.0, abs=1.0)
+        view = one.locator("tb-viewer-frame[data-session]")
+        session = str(view.get_attribute("data-session"))
+        picked = until(
+            lambda one=one, session=session: _shown(one, session)["picked"],
+            "the viewing session marks the point",
+            page=one,
+        )
+        assert picked["point"][0] == pytest.approx(10.0, abs=1.0)
 
 
 def test_a_page_without_smooth_colours_gets_one_colour_for_each_element(
@@ -165,20 +182,32 @@ def test_a_page_without_smooth_colours_gets_one_colour_for_each_element(
     page = new_page(viewer=True, viewport={"width": 1280, "height": 860})
     page.add_init_script(BLIND)
     session = _open(page, beam, "?colour=displacement")
-    for _ in range(60):
-        if not _shown(page, session)["smooth"]:
-            break
-        page.wait_for_timeout(500)
-    assert _shown(page, session)["smooth"] is False
+    until(
+        lambda: _shown(page, session)["smooth"],
+        "one colour for each element",
+        page=page,
+        met=lambda smooth: smooth is False,
+    )
 
 
 def test_a_view_that_missed_what_was_chosen_hears_it_after_the_cut(page: Any, beam: str) -> None:
     session = _open(page, beam)
     address = re.compile(r"/api/v1/viewer/")
-    page.route(address, lambda route: route.abort())
+    cut: list[str] = []
+
+    def abort(route: Any) -> None:
+        cut.append(route.request.post_data or "")
+        route.abort()
+
+    page.route(address, abort)
     page.get_by_label("Camera").select_option("side")
     page.get_by_label("Scale of the deformation").select_option("20")
-    page.wait_for_timeout(300)
+    until(
+        lambda: "".join(cut),
+        "both choices are told to nobody",
+        page=page,
+        met=lambda told: '"camera":"side"' in told and '"scale":20' in told,
+    )
     page.unroute(address)
     assert _shown(page, session)["scale"] != 20
     for connected in (False, True):
@@ -186,9 +215,12 @@ def test_a_view_that_missed_what_was_chosen_hears_it_after_the_cut(page: Any, be
             "async (on) => (await import('/static/js/store.js')).store.set('connected', on)",
             connected,
         )
-    page.wait_for_timeout(500)
-    shown = _shown(page, session)
-    assert (shown["scale"], shown["camera"]) == (20, "side")
+    until(
+        lambda: _shown(page, session),
+        "both choices are heard",
+        page=page,
+        met=lambda shown: (shown["scale"], shown["camera"]) == (20, "side"),
+    )
 
 
 def test_leaving_while_it_plays_leaves_the_next_address_alone(page: Any, beam: str) -> None:
@@ -196,7 +228,9 @@ def test_leaving_while_it_plays_leaves_the_next_address_alone(page: Any, beam: s
     page.get_by_role("button", name="Play", exact=True).click()
     page.get_by_role("link", name="Jobs").first.click()
     page.locator("tb-job-list").wait_for()
+    # That nothing comes cannot be waited for: twice the pace at which addresses are written.
     page.wait_for_timeout(400)
+    drawn_again(page)
     assert page.url.endswith("#/jobs")
 
 

@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
+from tests.browser.waiting import DONE_MS, still, until
+
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
 expect = sync_api.expect
-
-DONE_MS = 60_000
 
 
 def _job(name: str, **changes: Any) -> dict[str, Any]:
@@ -69,7 +69,7 @@ def test_each_row_of_the_modes_chooses_the_shape_that_swings(
     beam, job = _submitted(page, server, "sprung-mass-beam", "modes")
     page.goto(f"/#/jobs/{job}")
     table = page.locator("tb-modes-table table")
-    table.wait_for(timeout=DONE_MS)
+    table.locator("tbody tr").nth(2).wait_for(timeout=DONE_MS)
     rigidity = beam["young_modulus"] * beam["second_moment"]
     (span,) = beam["spans"]
     for mode in (1, 2, 3):  # f = n2 pi / (2 L2) sqrt(EI / m), Euler-Bernoulli
@@ -85,7 +85,7 @@ def test_each_row_of_the_modes_chooses_the_shape_that_swings(
     ):
         page.get_by_role("button", name="Show mode 2", exact=True).click()
     expect(table.locator("tr[aria-current]")).to_contain_text("2")
-    assert "mode=2" in page.url
+    expect(page).to_have_url(re.compile("mode=2"))
     for absent in ("tb-chart", "tb-verdict-bar"):
         assert page.locator(absent).count() == 0
     picture(page, "modes-beam")
@@ -137,15 +137,16 @@ def test_each_run_of_a_sweep_can_be_shown_and_the_viewing_session_stays(
     page.get_by_label("Run", exact=True).select_option(label="108 km/h")
     page.locator("tb-chart[data-figure=displacement] .trace").first.wait_for()
     expect(page.get_by_role("slider", name="Time")).to_be_enabled()
+    expect(page.get_by_label("Run", exact=True).locator("option:checked")).to_have_text("108 km/h")
     runs = page.request.get(f"{server}/api/v1/jobs/{job}").json()["runs"]
     fast = next(run["id"] for run in runs if run["parameters"]["speed"] == 30.0)
     expect(page).to_have_url(re.compile(f"run={fast}"))
-    for _ in range(100):  # the session is told beside the plots, not before them
-        shown = page.request.get(f"{server}/api/v1/viewer/{session}").json()["run"]
-        if shown == fast:
-            break
-        page.wait_for_timeout(100)
-    assert shown == fast
+    until(  # The session is told beside the plots, not before them.
+        lambda: page.request.get(f"{server}/api/v1/viewer/{session}").json()["run"],
+        "the viewing session shows the faster run",
+        page=page,
+        met=lambda run: run == fast,
+    )
     assert view.get_attribute("data-session") == session
     picture(page, "sweep-beam")
 
@@ -157,7 +158,8 @@ def test_a_point_of_the_sweep_opens_its_run(
     page.goto(f"/#/jobs/{job}?tab=sweep")
     page.locator("tb-job-head .tag.done").wait_for(timeout=DONE_MS)
     chart = page.locator("tb-chart[data-figure=speed-sweep]")
-    chart.locator(".scatterlayer .point").first.wait_for()
+    chart.locator(".files a").first.wait_for()  # It is drawn, and listens.
+    still(page)
     point = chart.locator(".scatterlayer .trace").first.locator(".point").last
     point.scroll_into_view_if_needed()
     box = point.bounding_box()
@@ -240,7 +242,7 @@ def test_older_jobs_come_on_demand(page: Any, picture: Callable[[Any, str], None
     more = page.get_by_role("button", name="Show more")
     more.click()
     expect(rows).to_have_count(12)
-    assert more.count() == 0
+    expect(more).to_have_count(0)
     page.goto("/#/")
     expect(rows).to_have_count(6)
     page.get_by_role("link", name="All jobs").wait_for()

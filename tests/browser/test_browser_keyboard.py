@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 
 from tests.browser.recorded import job_address, play
+from tests.browser.waiting import DONE_MS, still
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
 expect = sync_api.expect
 
 BEAM = "One sprung mass on a simple beam"
-DONE_MS = 60_000
 MOST_STEPS = 90
 """More presses of Tab to the next thing than this are no way for anyone."""
 FOCUSED = """() => {
@@ -50,6 +50,7 @@ def test_from_home_to_a_result_and_through_its_tabs(
 ) -> None:
     page.goto("/")
     page.get_by_role("button", name=f"Run {BEAM}", exact=True).wait_for()
+    still(page)
     _tab_to(page, lambda item: item["name"] == "Skip to the content")
     page.keyboard.press("Enter")
     assert page.evaluate("document.activeElement.id") == "main"
@@ -59,6 +60,7 @@ def test_from_home_to_a_result_and_through_its_tabs(
     page.wait_for_url("**/#/jobs/*")
     page.locator("main .tag.done").first.wait_for(timeout=DONE_MS)
     page.get_by_text("Not judged", exact=False).first.wait_for()
+    still(page)
     # The new page begins at its beginning, for eyes and for ears.
     assert page.evaluate("document.activeElement.id") == "main"
     first = _tab_to(page, lambda item: item["role"] == "tab")
@@ -71,7 +73,7 @@ def test_from_home_to_a_result_and_through_its_tabs(
         expect(chosen).to_be_focused()
         seen.append(chosen.inner_text())
         panel = chosen.get_attribute("aria-controls")
-        assert page.locator(f"#{panel}").is_visible()
+        expect(page.locator(f"#{panel}")).to_be_visible()
     assert len(set(seen)) == count > 3
     page.keyboard.press("ArrowRight")  # round to the first
     expect(page.locator("[role=tab]").first).to_be_focused()
@@ -83,6 +85,7 @@ def test_time_plays_and_stops_by_the_keyboard(page: Any) -> None:
     page.goto(job_address("done"))
     slider = page.get_by_role("slider", name="Time")
     expect(slider).to_be_enabled()
+    still(page)
     _tab_to(page, lambda item: item["name"] == "Time")
     clock = page.locator(".clock")
     before = clock.inner_text()
@@ -96,6 +99,7 @@ def test_the_theme_is_chosen_by_the_keyboard(page: Any) -> None:
     play(page)
     page.goto("/#/jobs")
     page.get_by_role("heading", name="Jobs").first.wait_for()
+    still(page)
     _tab_to(page, lambda item: item["name"].startswith("Theme: "))
     page.keyboard.press("Enter")
     _tab_to(page, lambda item: item["role"] == "input")
@@ -113,6 +117,7 @@ def test_focus_is_seen_all_the_way_through_a_page(page: Any, address: str) -> No
     page.goto(address)
     page.locator("main h1").first.wait_for()
     expect(page.locator("main .skeleton")).to_have_count(0)
+    still(page)
     page.evaluate(
         "document.querySelector('.foot').insertAdjacentHTML('afterend', END)".replace(
             "END", "'<button id=\"end-of-page\">end</button>'"

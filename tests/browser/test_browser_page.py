@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
+from tests.browser.waiting import DONE_MS, still
+
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
 expect = sync_api.expect
 
 BEAM = "One sprung mass on a simple beam"
-DONE_MS = 60_000
+MAIN_MS = 800_000
+"""The coarse crossing takes 75 s of a core that it has for itself. [ms]"""
 WATCH_POLICY = """
 window.violations = [];
 document.addEventListener("securitypolicyviolation", (event) => {
@@ -51,7 +55,7 @@ def test_figures_and_channels_can_be_fetched_from_their_links(page: Any, server:
     for text, magic in (("PNG", b"\x89PNG"), ("SVG", b"<?xml"), ("PDF", b"%PDF")):
         link = chart.get_by_role("link", name=text).get_attribute("href")
         assert page.request.get(server + link).body().startswith(magic)
-    chart.locator("summary").click()
+    chart.locator("summary").first.click()
     table = chart.get_by_role("link", name="CSV").first.get_attribute("href")
     answer = page.request.get(server + table)
     assert answer.ok
@@ -63,14 +67,18 @@ def test_one_time_moves_slider_and_charts_and_stays_in_the_address(page: Any) ->
     page.locator("tb-job-head .tag.done").wait_for(timeout=DONE_MS)
     page.locator("tb-chart[data-figure=displacement] .trace").first.wait_for()
     slider = page.get_by_role("slider", name="Time")
+    expect(slider).to_be_enabled()
+    still(page)  # The time goes by itself to where the run begins to be of interest.
     slider.focus()
     line = page.locator("tb-chart[data-figure=displacement] .cursor-line")
-    before = line.get_attribute("style")
+    before = str(line.get_attribute("style"))
     for _ in range(20):
         page.keyboard.press("ArrowRight")
-    assert line.get_attribute("style") != before
-    assert "t=" in page.url
+    expect(line).not_to_have_attribute("style", before)
+    expect(page).to_have_url(re.compile("[?&]t="))
     clock = page.locator(".clock")
+    # So slowly that the end is not reached before somebody could press Pause.
+    page.get_by_label("Speed of the playback").select_option("0.01")
     before_play = clock.inner_text()
     page.get_by_role("button", name="Play", exact=True).click()
     expect(clock).not_to_have_text(before_play)
@@ -84,6 +92,7 @@ def test_a_curve_can_be_chosen(page: Any) -> None:
     chart.locator("summary", has_text="Numbers and curves").click()
     curves = chart.locator(".scatterlayer .trace")
     chart.locator(".chip").first.wait_for()
+    still(page)
     count = curves.count()
     assert count > 1
     chart.locator(".chip").first.click()
@@ -103,12 +112,12 @@ def test_a_bad_speed_is_refused_at_its_field(
     page.get_by_text("Checked: ready to run.").wait_for()
     speed.locator("input").fill("-10")
     speed.get_by_text("Must be greater than 0 km/h.").wait_for()
-    assert speed.locator("input").get_attribute("aria-invalid") == "true"
-    assert run.is_disabled()
+    expect(speed.locator("input")).to_have_attribute("aria-invalid", "true")
+    expect(run).to_be_disabled()
     picture(page, "bad-speed")
     speed.locator("input").fill("300")
     page.get_by_text("Checked: ready to run.").wait_for()
-    assert run.is_enabled()
+    expect(run).to_be_enabled()
 
 
 def test_what_only_the_server_knows_is_shown_at_its_field_too(page: Any) -> None:
@@ -117,7 +126,7 @@ def test_what_only_the_server_knows_is_shown_at_its_field_too(page: Any) -> None
     step = page.locator("tb-field[data-pointer='/integration/time_step']")
     step.locator("input").fill("50")  # ms: the wheels would jump over whole bays
     step.locator(".field-error").first.wait_for()
-    assert page.get_by_role("button", name="Run", exact=True).is_disabled()
+    expect(page.get_by_role("button", name="Run", exact=True)).to_be_disabled()
 
 
 def test_an_isolated_defect_has_its_inputs_and_runs_as_they_say(page: Any, server: str) -> None:
@@ -141,7 +150,7 @@ def test_a_running_job_is_cancelled(page: Any, picture: Callable[[Any, str], Non
     page.get_by_role("button", name="Cancel").click()
     page.locator("tb-job-head .tag.cancelled").wait_for(timeout=DONE_MS)
     page.get_by_text("This job was cancelled.").wait_for()
-    assert page.get_by_role("button", name="Cancel").count() == 0
+    expect(page.get_by_role("button", name="Cancel")).to_have_count(0)
     picture(page, "cancelled")
 
 
@@ -156,7 +165,7 @@ def test_what_is_to_mend_is_named_beside_run_and_leads_to_its_field(page: Any) -
     folded.click()  # folded away again
     page.get_by_role("button", name="Length").click()
     expect(length.locator("input")).to_be_focused()
-    assert page.get_by_role("button", name="Natural modes").is_disabled()
+    expect(page.get_by_role("button", name="Natural modes")).to_be_disabled()
 
 
 def test_a_job_that_is_not_there_says_so(page: Any) -> None:
@@ -168,9 +177,9 @@ def test_a_lost_connection_is_announced_and_resumes(page: Any) -> None:
     page.route("**/api/v1/events*", lambda route: route.abort())
     page.goto("/")
     banner = page.get_by_text("No connection to the server.", exact=False)
-    banner.wait_for(timeout=15_000)
+    banner.wait_for()
     page.unroute("**/api/v1/events*")
-    banner.wait_for(state="detached", timeout=30_000)
+    banner.wait_for(state="detached")
 
 
 def test_names_are_text_wherever_they_are_shown(page: Any, server: str) -> None:
@@ -194,7 +203,7 @@ def test_a_telephone_needs_no_sideways_scrolling(
     for name, address in (("home", "/"), ("study", "/#/study/khst-alverca"), ("jobs", "/#/jobs")):
         page.goto(address)
         page.locator("main > * > *").first.wait_for()
-        page.wait_for_timeout(400)
+        still(page)
         assert page.evaluate("document.documentElement.scrollWidth") <= 390
         picture(page, f"phone-{name}-{scheme}")
 
@@ -202,6 +211,7 @@ def test_a_telephone_needs_no_sideways_scrolling(
 def test_the_keyboard_reaches_run_and_focus_is_seen(page: Any) -> None:
     page.goto("/")
     page.get_by_role("button", name=f"Run {BEAM}", exact=True).wait_for()
+    still(page)
     page.keyboard.press("Tab")
     assert page.evaluate("document.activeElement.textContent") == "Skip to the content"
     for _ in range(24):
@@ -223,16 +233,16 @@ def test_no_request_leaves_the_server(page: Any, server: str) -> None:
     assert [url for url in foreign if not url.startswith(("data:", "blob:"))] == []
 
 
-@pytest.mark.slow
+@pytest.mark.timeout(1800)
 def test_one_click_takes_the_khst_over_alverca_to_its_verdict(
     new_page: Callable[..., Any], picture: Callable[[Any, str], None]
 ) -> None:
     page = new_page(viewer=True, viewport={"width": 1280, "height": 860})
     _run(page, "KHST over the Alverca viaduct")
-    page.locator("tb-chart[data-figure=slab-acceleration] .trace").first.wait_for(timeout=300_000)
+    page.locator("tb-chart[data-figure=slab-acceleration] .trace").first.wait_for(timeout=MAIN_MS)
     picture(page, "khst-running")
     verdict = page.locator("tb-verdict-bar")
-    verdict.wait_for(timeout=600_000)
+    verdict.wait_for(timeout=MAIN_MS)
     words = verdict.inner_text()
     assert "432 km/h" in words
     assert "screening mesh" in words
@@ -243,6 +253,7 @@ def test_one_click_takes_the_khst_over_alverca_to_its_verdict(
     band = page.locator("tb-chart[data-figure=slab-acceleration]")
     band.get_by_text("below 30 Hz", exact=False).first.wait_for()
     band.get_by_text("deciding point, x = ", exact=False).first.wait_for()
-    page.locator("tb-viewer-frame iframe").wait_for()
-    page.wait_for_timeout(4000)
+    inside = page.frame_locator("tb-viewer-frame iframe")
+    inside.locator("canvas[data-engine]").wait_for(timeout=DONE_MS)
+    page.wait_for_timeout(4000)  # only for the picture: nothing depends on it
     picture(page, "khst-done")

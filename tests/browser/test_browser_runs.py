@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from tests.browser.recorded import job_address, play
+from tests.browser.waiting import until
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
 expect = sync_api.expect
@@ -20,7 +21,7 @@ def test_a_run_chosen_while_the_first_one_opens_is_shown(page: Any) -> None:
     page.goto(job_address("sweep") + "?run=runSweep3")
     page.get_by_label("Run", exact=True).select_option(label="72 km/h")
     expect(page).to_have_url(re.compile("run=runSweep(&|$)"))
-    assert held, "the first run had opened before the second was chosen"
+    until(lambda: held, "the first run to ask for its figures", page=page)
     for route in held:
         route.fallback()
     page.locator("tb-chart[data-figure=displacement] .trace").first.wait_for()

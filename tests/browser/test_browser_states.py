@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from tests.browser.recorded import LOG, SILENT_STREAM, answer, job_address, play
+from tests.browser.waiting import still, until
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
 expect = sync_api.expect
@@ -29,6 +30,12 @@ WORDS = {
     "modes": ("Done", ["Natural modes", "bending, 1 half wave"]),
 }
 """Of each job: its tag, and words that must be read without any click."""
+LISTEN = """() => {
+  window.said = [];
+  const note = () => window.said.push(document.querySelector("tb-connection").textContent);
+  new MutationObserver(note).observe(document.body, { childList: true, subtree: true });
+}"""
+"""Keeps what the page says of its connection: some of it stays for four seconds only."""
 
 
 @pytest.mark.parametrize("state", WORDS)
@@ -41,7 +48,7 @@ def test_a_jobs_state_is_told_in_words(
     expect(page.locator("main .tag").first).to_have_text(tag)
     for text in words:
         expect(page.locator("main")).to_contain_text(text)
-    page.wait_for_timeout(400)
+    still(page)
     picture(page, f"state-{state}")
 
 
@@ -52,6 +59,7 @@ def test_a_live_job_can_be_cancelled_and_an_ended_one_not(page: Any, state: str)
     page.get_by_role("button", name="Cancel", exact=True).wait_for()
     page.goto(job_address("failed"))
     page.get_by_role("button", name="Retry", exact=False).wait_for()
+    still(page)
     assert page.get_by_role("button", name="Cancel", exact=True).count() == 0
 
 
@@ -100,7 +108,7 @@ def test_a_server_that_does_not_answer_is_named(
     play(page, changes={"/jobs": None, "/templates": None}, stream=SILENT_STREAM)
     page.goto("/")
     page.get_by_text("The server does not answer.", exact=False).first.wait_for()
-    page.get_by_text("No connection to the server.").wait_for(timeout=5_000)
+    page.get_by_text("No connection to the server.").wait_for()
     picture(page, "state-disconnected")
 
 
@@ -112,9 +120,15 @@ def test_a_page_outlives_its_server_and_resumes_by_itself(
         page.goto(f"{address}/#/jobs")
         page.locator("main .empty").wait_for()
         assert not lost.is_visible()
-    lost.wait_for(timeout=10_000)
+    lost.wait_for()
+    page.evaluate(LISTEN)
     with another_server() as address:
-        page.get_by_text("Connected again.").wait_for(timeout=15_000)
+        until(
+            lambda: page.evaluate("window.said"),
+            "the page says that it is connected again",
+            page=page,
+            met=lambda said: "Connected again." in said,
+        )
         study = page.request.get(f"{address}/api/v1/templates/sprung-mass-beam").json()
         job = {"study": {**study, "name": "After the pause"}}
         assert page.request.post(f"{address}/api/v1/jobs", data=job).status == 202

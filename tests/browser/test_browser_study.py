@@ -13,6 +13,8 @@ from typing import Any
 
 import pytest
 
+from tests.browser.waiting import DONE_MS, drawn_again, until
+
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
 expect = sync_api.expect
 
@@ -35,7 +37,7 @@ PASTE = """(element, text) => {
 
 def _open(page: Any, address: str) -> None:
     page.goto(address)
-    page.get_by_text(READY).wait_for()
+    page.get_by_text(READY).wait_for(timeout=DONE_MS)
 
 
 def _input(page: Any, pointer: str) -> Any:
@@ -67,21 +69,30 @@ def test_home_has_a_card_for_every_study_and_says_what_waits_and_where(
     templates = page.request.get(f"{server}/api/v1/templates").json()["items"]
     page.goto("/")
     page.locator("tb-template-card").first.wait_for()
-    assert page.locator("tb-template-card h2").all_inner_texts() == [
-        template["title"] for template in templates
-    ]
+    titles = [template["title"] for template in templates]
+    expect(page.locator("tb-template-card h2")).to_have_text(titles)
     for template in templates:
         card = page.locator(
             "tb-template-card", has=page.get_by_role("heading", name=template["title"], exact=True)
         )
-        assert card.locator("svg.elevation").count() == 1
-        assert card.locator("dt").all_inner_texts()[-2:] == ["Unknowns", "Time"]
-        assert "–" not in card.locator("dd").all_inner_texts()
-        assert card.get_by_role(
-            "link", name=f"Customise {template['title']}", exact=True
-        ).is_visible()
+        expect(card.locator("svg.elevation")).to_have_count(1)
+        until(
+            lambda card=card: card.locator("dt").all_inner_texts()[-2:],
+            "the last two amounts",
+            page=page,
+            met=lambda names: names == ["Unknowns", "Time"],
+        )
+        until(
+            lambda card=card: card.locator("dd").all_inner_texts(),
+            "every amount is told",
+            page=page,
+            met=lambda amounts: amounts and "–" not in amounts,
+        )
+        expect(
+            card.get_by_role("link", name=f"Customise {template['title']}", exact=True)
+        ).to_be_visible()
     page.locator("tb-machine").get_by_text("Cores").wait_for()
-    assert page.locator("tb-queue h2").inner_text() == "Queue"
+    expect(page.locator("tb-queue h2")).to_have_text("Queue")
 
 
 def test_every_input_of_the_solver_is_in_the_form(page: Any, server: str) -> None:
@@ -113,7 +124,7 @@ def test_warnings_stand_at_their_fields_and_do_not_forbid(page: Any) -> None:
     _open(page, KHST)
     level = page.locator("tb-field[data-pointer='/mesh_level']")
     level.locator(".field-warning", has_text="Is a screening mesh.").wait_for()
-    assert page.get_by_role("button", name="Run", exact=True).is_enabled()
+    expect(page.get_by_role("button", name="Run", exact=True)).to_be_enabled()
     level.get_by_role("button", name="Use standard").click()
     level.locator(".field-warning").wait_for(state="detached")
 
@@ -125,7 +136,7 @@ def test_a_range_of_speeds_is_typed_checked_and_drawn_again_as_one(page: Any) ->
     page.get_by_text("Time, 21 runs").wait_for()
     speeds.fill("200:400")
     page.get_by_text("Write a range as start:end:step", exact=False).wait_for()
-    assert page.get_by_role("button", name="Run", exact=True).is_disabled()
+    expect(page.get_by_role("button", name="Run", exact=True)).to_be_disabled()
     speeds.fill("200:230:10, 432")
     sent = _submitted(page)["study"]["sweep"]["speeds"]
     assert sent == pytest.approx([speed / 3.6 for speed in (200, 210, 220, 230, 432)])
@@ -145,7 +156,7 @@ def test_undo_and_redo_go_through_every_change_and_keep_the_focus(page: Any) -> 
     page.keyboard.press("Control+z")
     expect(mass).to_have_value("5.75")
     expect(mass).to_be_focused()
-    assert undo.is_disabled()
+    expect(undo).to_be_disabled()
     page.get_by_text("As the template", exact=True).wait_for()
     page.keyboard.press("Control+Shift+z")
     expect(mass).to_have_value("6")
@@ -204,7 +215,7 @@ def test_json_both_ways_with_errors_at_their_lines(
     page.get_by_role("button", name=f"Line {line}", exact=True).wait_for()
     text.fill(broken.replace('"time_step": 5', '"time_step": 0.0005 oops'))
     page.locator(f".line-numbers .error:text('{line}')").wait_for()
-    assert page.get_by_role("button", name="Run", exact=True).is_disabled()
+    expect(page.get_by_role("button", name="Run", exact=True)).to_be_disabled()
     picture(page, "study-json")
     mended = broken.replace('"time_step": 5', '"time_step": 0.0005')
     text.fill(mended)
@@ -262,10 +273,10 @@ def test_the_drawing_follows_what_is_typed(page: Any) -> None:
     _input(page, "/viaduct/slab_width").fill("8.4")
     section.get_by_text("8.4 m").wait_for()
     page.get_by_label("Isolated defect").check()
-    assert section.locator(".flaw").count() == 1
+    expect(section.locator(".flaw")).to_have_count(1)
     _input(page, "/irregularity/rail").select_option("both")
-    assert section.locator(".flaw").count() == 2
-    assert page.locator("tb-study-drawing tb-elevation .point.judged").count() == 1
+    expect(section.locator(".flaw")).to_have_count(2)
+    expect(page.locator("tb-study-drawing tb-elevation .point.judged")).to_have_count(1)
 
 
 def test_a_train_comes_from_the_library(page: Any, server: str) -> None:
@@ -332,7 +343,7 @@ def test_run_and_modes_go_to_the_queue_with_the_keyboard_alone(page: Any) -> Non
 
 def test_a_modal_study_asks_for_its_part(page: Any) -> None:
     _open(page, "/#/study/train-modes")
-    assert page.locator("tb-study-form section h2").first.inner_text() == "Modes"
+    expect(page.locator("tb-study-form section h2").first).to_have_text("Modes")
     _input(page, "/modes/part").select_option("viaduct")
     page.locator("tb-elevation .span").first.wait_for(state="attached")
     assert _submitted(page)["kind"] == "modes"
@@ -341,14 +352,14 @@ def test_a_modal_study_asks_for_its_part(page: Any) -> None:
 def test_what_a_modal_analysis_does_not_read_is_folded(page: Any) -> None:
     _open(page, "/#/study/train-modes")
     read = page.locator("tb-study-form > section h2")
-    assert read.all_inner_texts() == ["Modes", "Train", "Contact"]
+    expect(read).to_have_text(["Modes", "Train", "Contact"])
     speeds = _input(page, "/sweep/speeds")
     assert not speeds.is_visible()
     _input(page, "/modes/part").focus()
     _input(page, "/modes/part").select_option("track")
     expect(read).to_have_text(["Modes", "Track"])
     expect(_input(page, "/modes/part")).to_be_focused()
-    assert _input(page, "/mesh_level").is_visible()
+    expect(_input(page, "/mesh_level")).to_be_visible()
     page.get_by_text("Not used by this modal analysis").click()
     speeds.fill("-1")
     page.get_by_text("Must be greater than 0 km/h").wait_for()
@@ -393,4 +404,5 @@ def test_whoever_leaves_while_a_job_starts_is_not_called_back(page: Any) -> None
     with page.expect_response("**/api/v1/jobs"):
         waiting[0].fulfill(status=201, json={"id": "0123456789abcdef"})
     page.wait_for_load_state("networkidle")
+    drawn_again(page)
     assert page.evaluate("location.hash") == "#/library"

@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from tests.browser.waiting import still
+
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
 expect = sync_api.expect
 
@@ -51,11 +53,14 @@ def watched(page: Any) -> Iterator[Transfer]:
         addresses[event["requestId"]] = name
         transfer.sizes[name] = 0.0
 
+    # Of requests from before, as the event stream of the page that is left, nothing is counted.
     def received(event: dict[str, Any]) -> None:
-        transfer.sizes[addresses[event["requestId"]]] += max(0, event["encodedDataLength"])
+        if name := addresses.get(event["requestId"]):
+            transfer.sizes[name] += max(0, event["encodedDataLength"])
 
     def ended(event: dict[str, Any]) -> None:
-        transfer.sizes[addresses[event["requestId"]]] = event["encodedDataLength"]
+        if name := addresses.get(event["requestId"]):
+            transfer.sizes[name] = event["encodedDataLength"]
 
     session.on("Network.requestWillBeSent", asked)
     session.on("Network.dataReceived", received)
@@ -69,7 +74,7 @@ def _open_home(page: Any) -> None:
     page.goto("/")
     page.locator(f"tb-template-card {RUN}").first.wait_for()
     expect(page.locator(".skeleton")).to_have_count(0)
-    page.wait_for_timeout(500)  # what cards ask for once they are drawn counts too
+    still(page)  # What cards ask for once they are drawn counts too.
 
 
 def test_the_first_page_is_small_and_needs_no_chart_library(page: Any) -> None:
@@ -100,7 +105,7 @@ def test_no_page_asks_anybody_else(page: Any, server: str, address: str) -> None
     page.on("request", lambda request: asked.append(request.url))
     page.goto(address)
     page.locator("main h1").first.wait_for()
-    page.wait_for_timeout(500)
+    still(page)
     own = (f"{server}/", "data:", "blob:")
     assert [url for url in asked if not url.startswith(own)] == []
     assert len(asked) > 5

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
 import pytest
 
 from tests.browser.viewer_page import NEEDS_CHROMIUM, View, changed, drawn, launched, viewed
+from tests.browser.waiting import until
 from tests.server.viewer_run import ExampleRun
 
 pytestmark = [pytest.mark.slow, NEEDS_CHROMIUM]
@@ -31,15 +31,15 @@ def test_pixels_change_with_the_time_and_only_with_it(view: View) -> None:
     pictures = []
     for time in (0.60, 0.90, 1.20):
         view.reach(RUN, time, scale=200.0)
-        picture = view.settled()
-        view.page.wait_for_timeout(1000)
-        assert np.array_equal(picture, view.pixels()), "the time stands still"
-        pictures.append(picture)
+        # The time stands still where nothing changes for two seconds.
+        pictures.append(view.settled(apart=1.0))
     # The train alone covers several percent of the picture; half a percent is far above noise.
     assert changed(pictures[0], pictures[1]) > 0.005
     assert changed(pictures[1], pictures[2]) > 0.005
     view.reach(RUN, 0.60)
-    assert changed(view.settled(), pictures[0]) < 0.001, "the same time is the same picture"
+    view.settled(
+        lambda picture: changed(picture, pictures[0]) < 0.001, "the same time is the same picture"
+    )
     view.keep("overview")
 
 
@@ -48,16 +48,18 @@ def test_presets_hidden_layers_and_playing_show(view: View) -> None:
     overview = view.settled()
     for camera in ("side", "section", "follow"):
         view.put(camera=camera)
-        view.page.wait_for_timeout(500)
-        assert changed(overview, view.settled()) > 0.02, camera
+        view.settled(lambda picture: changed(overview, picture) > 0.02, camera)
         view.keep(camera)
     view.put(camera="overview")
-    view.page.wait_for_timeout(500)
-    assert changed(overview, view.settled()) < 0.001
+    view.settled(lambda picture: changed(overview, picture) < 0.001, "the overview again")
     view.put(layers=["slab"])
-    view.page.wait_for_timeout(500)
-    assert drawn(view.settled()) < 0.7 * drawn(overview)
-    view.put(layers=["slab", "wheels"], playing=True)
-    first = view.pixels()
-    view.page.wait_for_timeout(1000)
-    assert changed(first, view.pixels()) > 0.001
+    view.settled(lambda picture: drawn(picture) < 0.7 * drawn(overview), "the slab alone")
+    view.put(layers=["slab", "wheels"])
+    first = view.settled(lambda picture: drawn(picture) < 0.9 * drawn(overview), "slab and wheels")
+    view.put(playing=True)
+    until(
+        lambda: changed(first, view.pixels()),
+        "the picture plays",
+        page=view.page,
+        met=lambda share: share > 0.001,
+    )

@@ -6,7 +6,7 @@ import contextlib
 import io
 import os
 import shutil
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,13 @@ from fastapi import FastAPI
 
 from server.viewer import router
 from server.viewer.source import FrameSource
+from tests.browser.waiting import (
+    PATIENCE,
+    patient,
+    patient_expectations,
+    pixels_at_rest,
+    until,
+)
 from tests.server.viewer_client import served
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -31,6 +38,17 @@ FLAGS = [
     "--disable-accelerated-2d-canvas",
 ]
 """Mesa's software renderer, about 200 times faster than Chromium's own."""
+MESH = """const mesh = window.__viserMutable?.nodeRefFromName["/slab"]?.children
+  .find((child) => child.isMesh);"""
+"""The slab as the page has it."""
+SEEN_AT = f"""(index) => {{ {MESH}
+  if (!mesh) return null;
+  const at = mesh.geometry.attributes.position.array.slice(3 * index, 3 * index + 3);
+  const camera = window.__viserMutable.camera;
+  const point = new camera.position.constructor(...at);
+  mesh.localToWorld(point).project(camera);
+  return [(point.x + 1) / 2 * window.innerWidth, (1 - point.y) / 2 * window.innerHeight]; }}"""
+"""Where a vertex of the slab is in the picture. [px]"""
 
 
 class View:
@@ -42,13 +60,13 @@ class View:
 
     def put(self, **change: object) -> dict[str, Any]:
         """Changes what is shown."""
-        answer = httpx.put(self.resource, json=change, timeout=30.0)
+        answer = httpx.put(self.resource, json=change, timeout=PATIENCE)
         assert answer.status_code == 200, answer.text
         return answer.json()
 
     def state(self) -> dict[str, Any]:
         """What is shown."""
-        return httpx.get(self.resource, timeout=30.0).json()
+        return httpx.get(self.resource, timeout=PATIENCE).json()
 
     def pixels(self) -> np.ndarray:
         """The page's picture, shape (height, width, 3)."""
@@ -58,26 +76,20 @@ class View:
         picture = Image.open(io.BytesIO(self.page.screenshot()))
         return np.asarray(picture.convert("RGB"), dtype=np.int16)
 
-    def settled(self) -> np.ndarray:
-        """The picture once two in a row are equal."""
-        before = self.pixels()
-        for _ in range(60):
-            self.page.wait_for_timeout(250)
-            now = self.pixels()
-            if np.array_equal(before, now):
-                return now
-            before = now
-        raise AssertionError("the picture does not come to rest")
+    def settled(
+        self,
+        met: Callable[[np.ndarray], Any] = lambda _: True,
+        what: str = "a picture that stands still",
+        apart: float = 0.1,
+    ) -> np.ndarray:
+        """The picture once three in a row are equal, and it shows what is waited for."""
+        return pixels_at_rest(self.pixels, self.page, met, what, apart)
 
     def until(self, script: str) -> None:
         """Waits until a script gives something true; the page's policy forbids the usual way."""
-        for _ in range(200):
-            if self.page.evaluate(script):
-                return
-            self.page.wait_for_timeout(100)
-        raise AssertionError(script)
+        until(lambda: self.page.evaluate(script), script, page=self.page)
 
-    def reach(self, run: FrameSource, time: float, **change: object) -> None:
+    def reach(self, run: FrameSource, time: float, **change: object) -> dict[str, Any]:
         """Shows a time and waits until the slab is where the run has it; others may be served."""
         state = self.put(time=time, **change)
         plan = run.plan
@@ -88,12 +100,11 @@ class View:
         vertex = int(np.argmax(np.abs(moved[:, 2])))
         wanted = plan.geometry.vertices[slab[vertex], 2] + state["scale"] * moved[vertex, 2]
         self.until(
-            f"""() => {{ const node = window.__viserMutable?.nodeRefFromName["/slab"];
-              const mesh = node?.children.find((child) => child.isMesh);
+            f"""() => {{ {MESH}
               const at = mesh?.geometry.attributes.position.array[{3 * vertex + 2}];
               return Math.abs(at - {wanted:.9g}) < 1e-5; }}"""
         )
-        self.page.wait_for_timeout(400)
+        return state
 
     def keep(self, name: str) -> None:
         """Leaves a screenshot where the variable ``TRAINBRIDGE_SCREENSHOTS`` says, for people."""
@@ -106,6 +117,7 @@ class View:
 def launched() -> Iterator[Any]:
     """A browser that draws with Mesa."""
     sync_api = pytest.importorskip("playwright.sync_api")
+    patient_expectations()
     with sync_api.sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         yield browser
@@ -119,19 +131,19 @@ def viewed(browser: Any, run: FrameSource, theme: str) -> Generator[View]:
     app.include_router(router(lambda _: run))
     with served(app) as address:
         opened = httpx.post(
-            f"http://{address}/api/v1/runs/run/viewer", json={"theme": theme}, timeout=30.0
+            f"http://{address}/api/v1/runs/run/viewer", json={"theme": theme}, timeout=PATIENCE
         ).json()
-        page = browser.new_page(viewport={"width": 900, "height": 500})
+        page = patient(browser.new_page(viewport={"width": 900, "height": 500}))
         # Without this viser lowers the resolution where the machine is slow, and pixels change.
         page.goto(f"http://{address}{opened['url']}?fixedDpr=1")
         page.wait_for_selector("canvas[data-engine]")
         view = View(page, f"http://{address}/api/v1/viewer/{opened['session']}")
-        for _ in range(60):
-            if drawn(view.pixels()) > 0.05:
-                break
-            page.wait_for_timeout(250)
-        else:
-            raise AssertionError("nothing was drawn")
+        until(
+            lambda: drawn(view.pixels()),
+            "something is drawn",
+            page=page,
+            met=lambda share: share > 0.05,
+        )
         yield view
         page.close()
 

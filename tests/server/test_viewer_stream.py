@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import httpx
 import numpy as np
 import pytest
 from fastapi import FastAPI
@@ -19,17 +17,16 @@ from server.viewer.picture import Picture, PictureMaker
 from solver.results import Sample
 from tests.server.viewer_client import SceneClient, served
 from tests.server.viewer_run import RAIL_TOP, SPEED, START, STRIDE, TIME_STEP, ExampleRun
+from tests.server.viewer_waiting import http, quiet, until
 
 RUN = ExampleRun()
 INTERVAL = STRIDE * TIME_STEP
-PATIENCE = 60.0
-"""A busy machine may have others to serve first. [s]"""
 
 
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
     app = FastAPI()
-    app.include_router(router(lambda _: RUN, ViewerLimits(idle=30.0)))
+    app.include_router(router(lambda _: RUN, ViewerLimits(idle=600.0)))
     with served(app) as address:
         yield address
 
@@ -37,16 +34,16 @@ def address() -> Iterator[str]:
 @pytest.fixture
 def view(address: str) -> Iterator[tuple[SceneClient, str]]:
     where = f"http://{address}/api/v1/runs/run-1/viewer"
-    opened = httpx.post(where, json={}, timeout=PATIENCE).json()
+    opened = http.post(where, json={}).json()
     resource = f"http://{address}/api/v1/viewer/{opened['session']}"
     with SceneClient(address, opened["session"]) as client:
         show(client, resource, time=0.3, scale=10.0)
         yield client, resource
-    httpx.delete(resource, timeout=PATIENCE)
+    http.delete(resource)
 
 
 def put(resource: str, **change: object) -> dict[str, Any]:
-    answer = httpx.put(resource, json=change, timeout=PATIENCE)
+    answer = http.put(resource, json=change)
     assert answer.status_code == 200, answer.text
     return answer.json()
 
@@ -68,17 +65,6 @@ def show(client: SceneClient, resource: str, **change: object) -> dict[str, Any]
     until(client, arrived)
     client.settle(quiet=0.2)
     return state
-
-
-def until(client: SceneClient, arrived: Callable[[], bool]) -> None:
-    """Receives until something has arrived; the machine may have others to serve first."""
-    limit = time.monotonic() + PATIENCE
-    while time.monotonic() < limit:
-        client.settle(quiet=0.1)
-        with contextlib.suppress(KeyError):
-            if arrived():
-                return
-    raise AssertionError("it does not arrive")
 
 
 def vertices(client: SceneClient, layer: str) -> np.ndarray:
@@ -134,9 +120,11 @@ def test_the_stored_peak_bends_the_span_under_the_train(view: tuple[SceneClient,
 def test_nothing_is_sent_while_the_time_stands_still(view: tuple[SceneClient, str]) -> None:
     client, resource = view
     show(client, resource, time=0.5)
-    assert client.settle(quiet=0.8) == 0
+    quiet(client, 0.8)
+    before = client.messages
     put(resource, time=0.5)
-    assert client.settle() == 0
+    quiet(client, 0.8)
+    assert client.messages == before
 
 
 def test_wheels_without_contact_are_red(view: tuple[SceneClient, str]) -> None:
@@ -238,13 +226,12 @@ def test_playing_sends_at_most_fifteen_pictures_a_second(view: tuple[SceneClient
     client, resource = view
     show(client, resource, layers=["slab"], time=0.4)
     started, before = vertices(client, "slab").copy(), client.messages
-    put(resource, rate=0.5, playing=True)
-    begin, state = time.monotonic(), httpx.get(resource, timeout=PATIENCE).json()
+    put(resource, rate=0.25, playing=True)
+    begin, state = time.monotonic(), http.get(resource).json()
     while state["time"] < 0.9:
         client.settle(quiet=0.05)
-        state = httpx.get(resource, timeout=PATIENCE).json()
+        state = http.get(resource).json()
     elapsed = time.monotonic() - begin
-    assert state["playing"]
     # One update a picture; more for the window's edges and late ones of a busy machine.
     assert 0 < client.messages - before <= 15.0 * 1.2 * elapsed + 2
     assert not np.array_equal(started, vertices(client, "slab"))
@@ -331,7 +318,7 @@ def test_a_running_run_shows_what_is_committed() -> None:
     app.include_router(router(lambda _: run))
     with served(app) as address:
         where = f"http://{address}/api/v1/runs/run-2/viewer"
-        opened = httpx.post(where, timeout=PATIENCE).json()
+        opened = http.post(where).json()
         resource = f"http://{address}/api/v1/viewer/{opened['session']}"
         with SceneClient(address, opened["session"]) as client:
             client.settle()
@@ -351,7 +338,7 @@ def test_a_running_run_shows_what_is_committed() -> None:
             until(client, arrived)
             run.committed, run.done = 1601, True
             put(resource, rate=10.0)
-            until(client, lambda: not httpx.get(resource, timeout=PATIENCE).json()["playing"])
-            ended = httpx.get(resource, timeout=PATIENCE).json()
+            until(client, lambda: not http.get(resource).json()["playing"])
+            ended = http.get(resource).json()
             assert ended["time"] == pytest.approx(0.8)
             assert not ended["playing"], "playing ends with the last frame of a finished run"
