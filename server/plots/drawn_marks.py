@@ -69,7 +69,7 @@ def draw_note(axes: Any, note: Mapping[str, Any]) -> None:
 
 def _draw_words(axes: Any, note: Mapping[str, Any], style: Mapping[str, Any]) -> None:
     across = note["xref"] == "paper"
-    standing = note["yref"] == "paper"
+    standing = note["yref"] == "paper" or note["yref"].endswith(" domain")
     transform = axes.get_yaxis_transform() if across else axes.transData
     if standing:
         transform = axes.get_xaxis_transform()

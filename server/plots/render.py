@@ -104,7 +104,7 @@ def _draw(sheet: Any, panels: Mapping[str, Any], figure: Figure) -> None:
 
     def panel(part: Mapping[str, Any], key: str) -> Any:
         """Axes of a trace, shape or note: plotly calls the second ones ``y2``."""
-        return panels["yaxis2" if part.get(key) == "y2" else "yaxis"]
+        return panels["yaxis2" if str(part.get(key)).startswith("y2") else "yaxis"]
 
     for name, axes in panels.items():
         _draw_axes(axes, layout[name])

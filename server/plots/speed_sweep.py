@@ -193,7 +193,9 @@ def _resonances(
             words = f"f d / {order} = {shown:.0f} km/h"
             note = vertical_note(shown, words, MUTED)
             leftwards = shown > 0.5 * (low + high)
-            notes.append({**note, "xanchor": "right" if leftwards else "left"})
+            # Above the displacements: the words of the greatest acceleration stand by the line too.
+            place = {"yref": "y2 domain", "xanchor": "right" if leftwards else "left"}
+            notes.append({**note, **place})
     return shapes, notes
 
 

@@ -105,6 +105,11 @@ def test_a_sweep_marks_its_limit_and_the_resonances_in_sight() -> None:
     assert [shape["y0"] for shape in shapes if shape["yref"] == "y"] == [3.5]
     words = [note["text"] for note in figure["layout"]["annotations"]]
     assert "f d / 1 = 414 km/h" in words
+    # Its words would cover those of the peak, which is near: they stand over the displacements.
+    (resonance,) = [
+        note for note in figure["layout"]["annotations"] if note["text"].startswith("f d")
+    ]
+    assert resonance["yref"] == "y2 domain"
     assert "v = f d / i, f = 6.4 Hz: 414 km/h for i = 1" in figure["summary"]
 
 
