@@ -1,4 +1,4 @@
-"""Camera presets."""
+"""Camera presets, and where a camera is that somebody moved."""
 
 from __future__ import annotations
 
@@ -11,13 +11,18 @@ import viser
 from solver.arrays import Matrix, Vector
 from solver.results import Geometry
 
-__all__ = ["Preset", "View", "aim", "follow", "move", "set_initial", "view"]
+__all__ = ["Mount", "Place", "Pose", "Preset", "View", "posed", "set_initial", "view"]
 
 Preset: TypeAlias = Literal["overview", "side", "section", "follow", "free"]
 """``free`` leaves the cameras where their users put them."""
 
+Place: TypeAlias = tuple[float, float, float]
+"""x, y, z. [m]"""
+
 NEAR = 0.3
 """Usual distance of the clipping plane. [m]"""
+NEAREST = 0.01
+"""Least distance between the eye and what it looks at. [m]"""
 FARTHEST = 1000.0
 """Usual end of what is drawn. [m]"""
 LONGEST = 100.0
@@ -51,6 +56,50 @@ class View:
         return max(FARTHEST, 3.0 * float(np.linalg.norm(self.position - self.target)))
 
 
+@dataclass(frozen=True, kw_only=True)
+class Pose:
+    """Where somebody moved a camera; up is always z.
+
+    Attributes:
+        position: Of the eye.
+        look_at: What it looks at, and turns about.
+        field: Vertical field of view, None for the preset's. [rad]
+        time: When it was there, for one that follows the train; None for now. [s]
+    """
+
+    position: Place
+    look_at: Place
+    field: float | None = None
+    time: float | None = None
+
+    @property
+    def looks(self) -> bool:
+        """Whether it looks anywhere: viser's camera comes no nearer to what it turns about."""
+        return float(np.linalg.norm(np.subtract(self.position, self.look_at))) >= NEAREST
+
+    def shifted(self, by: Vector) -> Pose:
+        """The same somewhere else.
+
+        Args:
+            by: Shape (3,). [m]
+        """
+        return Pose(
+            position=_place(np.array(self.position) + by),
+            look_at=_place(np.array(self.look_at) + by),
+            field=self.field,
+        )
+
+    @classmethod
+    def of(cls, position: Vector, look_at: Vector, field: float | None = None) -> Pose:
+        """Of arrays, shape (3,). [m]"""
+        return cls(position=_place(position), look_at=_place(look_at), field=field)
+
+
+def _place(point: Vector) -> Place:
+    x, y, z = point.tolist()
+    return x, y, z
+
+
 def view(preset: Preset, geometry: Geometry, first_axle: float, aspect: float) -> View:
     """The camera of a preset.
 
@@ -70,6 +119,23 @@ def view(preset: Preset, geometry: Geometry, first_axle: float, aspect: float) -
     return _overview(stage, aspect)
 
 
+def posed(wanted: View, pose: Pose | None) -> View:
+    """A preset's view from where somebody looked: its clipping plane stays, which cuts the section.
+
+    Args:
+        wanted: The preset's.
+        pose: None for the preset's own place.
+    """
+    if pose is None:
+        return wanted
+    return replace(
+        wanted,
+        position=np.array(pose.position),
+        target=np.array(pose.look_at),
+        field=wanted.field if pose.field is None else pose.field,
+    )
+
+
 def set_initial(server: viser.ViserServer, first: View) -> None:
     """Where the camera of every new client begins."""
     camera = server.initial_camera
@@ -77,38 +143,35 @@ def set_initial(server: viser.ViserServer, first: View) -> None:
     camera.near, camera.far = first.near, first.far
 
 
-def move(server: viser.ViserServer, preset: Preset, geometry: Geometry, first_axle: float) -> None:
-    """Moves the cameras of all clients to a preset; for ``free`` only unclips them."""
-    for client in server.get_clients().values():
-        aim(client, preset, geometry, first_axle)
+@dataclass(frozen=True, kw_only=True)
+class Mount:
+    """What the cameras stand on: the ground, or the bogie that they follow.
 
-
-def aim(client: viser.ClientHandle, preset: Preset, geometry: Geometry, first_axle: float) -> None:
-    """Moves the camera of one client to a preset, as its picture's shape asks."""
-    camera = client.camera
-    aspect = camera.image_width / max(camera.image_height, 1) or 1.0
-    wanted = view(preset, geometry, first_axle, aspect)
-    with client.atomic():
-        camera.near, camera.far = wanted.near, wanted.far
-        if preset != "free":
-            camera.fov = wanted.field
-            camera.position = wanted.position
-            camera.look_at = wanted.target
-
-
-def follow(server: viser.ViserServer, geometry: Geometry, first_axle: float) -> None:
-    """Carries the cameras along with the first bogie; each keeps its own angle and distance.
-
-    Without wheels nothing moves along, and the cameras stay.
+    Attributes:
+        preset: From where one looks.
+        geometry: Of the run.
+        first_axle: x of the first axle. [m]
+        modal: Whether the train stands, because a mode is shown.
     """
-    if not geometry.wheels.names:
-        return
-    target = _bogie(_Stage.of(geometry, first_axle), 1.0).target
-    for client in server.get_clients().values():
-        offset = client.camera.position - client.camera.look_at
-        with client.atomic():
-            client.camera.position = target + offset
-            client.camera.look_at = target
+
+    preset: Preset
+    geometry: Geometry
+    first_axle: float
+    modal: bool = False
+
+    @property
+    def rides(self) -> bool:
+        """Whether the cameras are carried along; without wheels there is nothing to follow."""
+        return self.preset == "follow" and bool(self.geometry.wheels.names) and not self.modal
+
+    @property
+    def origin(self) -> Vector:
+        """What poses are told from: the first axle if one follows it, else x = 0. [m]"""
+        return np.array([self.first_axle if self.rides else 0.0, 0.0, 0.0])
+
+    def view(self, aspect: float) -> View:
+        """The preset's own view for a picture of some width over height."""
+        return view(self.preset, self.geometry, self.first_axle, aspect)
 
 
 def _overview(stage: _Stage, aspect: float) -> View:

@@ -10,12 +10,13 @@ from typing import Annotated, TypeAlias
 from fastapi import APIRouter, Query, Response
 from starlette.concurrency import run_in_threadpool
 
-from server.errors import Finding, Problem
-from server.viewer.camera import Preset
+from server.errors import Finding, Problem, shortened
+from server.viewer.camera import Pose, Preset
 from server.viewer.palette import Colouring, Theme
 from server.viewer.picture import PictureMaker
 from server.viewer.replay import Replay, ReplayLimits, ReplayOptions, replay
 from server.viewer.source import FrameSource
+from server.viewer.states import PoseChange
 from server.viewer.stills import Still, StillOptions, draw_still, read_still
 from server.viewer.timeline import Timeline
 
@@ -45,6 +46,15 @@ Scale = Annotated[
 ]
 Mode = Annotated[int, Query(ge=0, le=999, description="Of a modal run, counted from 0.")]
 Camera = Annotated[Preset, Query(description="Where to look from.")]
+PoseText = Annotated[
+    str,
+    Query(
+        max_length=200,
+        description="Where the camera was moved to, as the page's address has it: x, y, z of the "
+        "eye, x, y, z of what it looks at [m], and the field of view if not the preset's [rad].",
+        examples=["-30,-48,22.5,29.2,0,1.3"],
+    ),
+]
 Colours = Annotated[Colouring, Query(description="What the surface's colours say.")]
 PageTheme = Annotated[Theme, Query(description="Light or dark.")]
 
@@ -85,6 +95,7 @@ def _add_still(
         time: Time = None,
         mode: Mode = 0,
         camera: Camera = "overview",
+        pose: PoseText = "",
         colour: Colours = "none",
         scale: Scale = None,
         theme: PageTheme = "light",
@@ -96,6 +107,7 @@ def _add_still(
             time=time,
             mode=mode,
             camera=camera,
+            pose=_pose(pose),
             colour=colour,
             scale=scale,
             theme=theme,
@@ -128,6 +140,7 @@ def _add_replay(
         end: To = None,
         mode: Mode = 0,
         camera: Camera = "overview",
+        pose: PoseText = "",
         colour: Colours = "none",
         scale: Scale = None,
         theme: PageTheme = "light",
@@ -140,6 +153,7 @@ def _add_replay(
             stop=end,
             mode=mode,
             camera=camera,
+            pose=_pose(pose),
             colour=colour,
             scale=scale,
             theme=theme,
@@ -194,6 +208,29 @@ def _require_possible(source: FrameSource, colour: Colouring, mode: int) -> None
         raise _unusable("mode", str(mode), reason, f"0 to {max(modes - 1, 0)}")
 
 
+def _pose(text: str) -> Pose | None:
+    """A pose as an address has it; none where it says nothing.
+
+    Raises:
+        Problem: 422 that names the parameter.
+    """
+    if not text:
+        return None
+    try:
+        pose = PoseChange.read(text).pose()
+    except ValueError:
+        pose = None
+    if pose is None or not pose.looks:
+        reason = "is no place of the eye and another that it looks at"
+        remedy = "Give six numbers between commas, in metres; a seventh is the field of view."
+        raise _refused("pose", shortened(text), reason, remedy)
+    return pose
+
+
 def _unusable(name: str, value: str, reason: str, choices: str) -> Problem:
-    finding = Finding(pointer=name, value=value, reason=reason, remedy=f"Choose from {choices}.")
+    return _refused(name, value, reason, f"Choose from {choices}.")
+
+
+def _refused(name: str, value: str, reason: str, remedy: str) -> Problem:
+    finding = Finding(pointer=name, value=value, reason=reason, remedy=remedy)
     return Problem(422, "Unusable value", reason, errors=[finding])

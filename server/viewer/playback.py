@@ -15,6 +15,7 @@ import numpy as np
 import viser
 
 from server.viewer import camera
+from server.viewer.cameras import Cameras
 from server.viewer.colour_map import ColourBar
 from server.viewer.palette import Colouring, Theme
 from server.viewer.picking import Marker, Picked, Picker, Ray
@@ -154,8 +155,11 @@ class Player:
         if before is not None:
             before.leave()
         self._scene = self._built(self._state)
+        self._cameras = before.cameras if before is not None else Cameras(server)
+        if before is not None and before.mount.rides != self.mount.rides:
+            self._cameras.ask(None, self.mount)
         opening = camera.view("overview", self._geometry, self._picture.first_axle, OPENING_ASPECT)
-        camera.set_initial(server, opening)
+        self._cameras.open_at(opening)
 
     @property
     def choices(self) -> Choices:
@@ -172,6 +176,21 @@ class Player:
         with self._lock:
             return self._advance()
 
+    @property
+    def cameras(self) -> Cameras:
+        """Those of the clients; they stay when another run is shown."""
+        return self._cameras
+
+    @property
+    def mount(self) -> camera.Mount:
+        """What the cameras stand on now."""
+        return self._mount(self.state)
+
+    @property
+    def pose(self) -> camera.Pose | None:
+        """Where somebody moved the camera; None where the preset has it."""
+        return self._cameras.pose(self.mount)
+
     def colour_bar(self) -> ColourBar | None:
         """What the colours mean that are shown now."""
         return self._maker.colour_bar(self.state.colour)
@@ -180,13 +199,27 @@ class Player:
         """Changes some of the state, from now on; shown by the next ``draw``.
 
         Args:
-            **changes: Fields of ``PlaybackState``.
+            **changes: Fields of ``PlaybackState``, and ``pose`` of the camera, None for the place
+                that its preset has.
         """
+        pose = changes.pop("pose", None) if (aimed := "pose" in changes) else None
         with self._lock:
-            state = replace(self._advance(), **changes)  # pyright: ignore[reportArgumentType]
+            before = self._advance()
+            state = replace(before, **changes)  # pyright: ignore[reportArgumentType]
             self._state = advanced(state, 0.0, self.timeline.last, self.timeline.done)
-            self._camera_asked = self._camera_asked or "camera" in changes
+            if aimed or "camera" in changes:
+                self._aim(before, pose)  # pyright: ignore[reportArgumentType]
+                self._camera_asked = True
             return self._state
+
+    def _aim(self, before: PlaybackState, pose: camera.Pose | None) -> None:
+        """Tells the cameras where to go; nobody sends ``free`` ones anywhere without a pose."""
+        state = self._state
+        if pose is not None or state.camera != "free":
+            moment = state if pose is None or pose.time is None else replace(state, time=pose.time)
+            self._cameras.ask(pose, self._mount(moment))
+        elif before.camera != "free":
+            self._cameras.release(self._mount(before))
 
     def resume(self, state: PlaybackState) -> None:
         """Goes on as another attempt at the same run was shown; the cameras stay."""
@@ -268,8 +301,20 @@ class Player:
 
     def welcome(self, client: viser.ClientHandle) -> None:
         """Aims the camera of a new client: only now the shape of its picture is known."""
+        self._cameras.welcome(client, self.mount)
+
+    def notice(self, client: viser.ClientHandle) -> None:
+        """Takes in that a client's camera has moved."""
         state = self.state
-        camera.aim(client, state.camera, self._geometry, self._first_axle(state))
+        self._cameras.notice(client, self._mount(state), running=state.playing)
+
+    def _mount(self, state: PlaybackState) -> camera.Mount:
+        return camera.Mount(
+            preset=state.camera,
+            geometry=self._geometry,
+            first_axle=self._first_axle(state),
+            modal=self.timeline.modal,
+        )
 
     def _first_axle(self, state: PlaybackState) -> float:
         """Where the train is; in a modal run it stands. [m]"""
@@ -277,16 +322,14 @@ class Player:
         return self._plan.start_position + run
 
     def _move_camera(self, state: PlaybackState, shown: PlaybackState) -> bool:
-        first_axle = self._first_axle(state)
         with self._lock:
             asked, self._camera_asked = self._camera_asked, False
-        if asked:
-            camera.move(self._server, state.camera, self._geometry, first_axle)
-        elif state.camera == "follow" and state.time != shown.time and not self.timeline.modal:
-            camera.follow(self._server, self._geometry, first_axle)
-        else:
-            return False
-        return True
+            # Somebody may have asked while the picture was made.
+            mount = self._mount(replace(state, camera=self._state.camera))
+        moves = asked or (mount.rides and state.time != shown.time)
+        if moves:
+            self._cameras.place(mount)
+        return moves
 
     def _advance(self) -> PlaybackState:
         now = self._clock()

@@ -54,6 +54,7 @@ class ReplayOptions:
         stop: None for its last frame. [s]
         mode: The mode of a modal run, counted from 0.
         camera: Where it opens; everybody then looks from where they like.
+        pose: Where somebody moved the camera; None for the preset's own place.
         colour: What the surface's colours say.
         scale: Deformation scale, None for one at which the deformation is well seen.
         theme: Light or dark.
@@ -63,6 +64,7 @@ class ReplayOptions:
     stop: float | None = None
     mode: int = 0
     camera: camera.Preset = "overview"
+    pose: camera.Pose | None = None
     colour: Colouring = "none"
     scale: float | None = None
     theme: Theme = "light"
@@ -133,7 +135,8 @@ def _recorded(
         first = maker.picture(*pictures[0])
         scene = Scene(server, source.plan.geometry, first, options.theme)
         geometry = source.plan.geometry
-        camera.set_initial(server, camera.view(options.camera, geometry, first.first_axle, ASPECT))
+        usual = camera.view(options.camera, geometry, first.first_axle, ASPECT)
+        camera.set_initial(server, camera.posed(usual, options.pose))
         recorder = server.get_scene_serializer()
         for picture in pictures[1:]:
             recorder.insert_sleep(1.0 / limits.rate)

@@ -79,6 +79,8 @@ def _add_resource(
         _require_possible(change, choices)
         if "layers" in changes:
             changes["layers"] = frozenset(change.layers)
+        if "pose" in changes:
+            changes["pose"] = None if change.pose is None else change.pose.pose()
         if source is not None:
             session.switch(run, source)
         if "place" in changes:
@@ -134,6 +136,9 @@ def _require_possible(change: ViewChange, choices: Choices) -> None:
         if name not in choices.layers:
             remedy = f"Choose from {', '.join(choices.layers)}."
             raise _unusable(f"layers/{index}", name, "this run has no such layer", remedy)
+    if change.pose is not None and not change.pose.pose().looks:
+        reason, remedy = "is where the eye is", "Give another point than `position`."
+        raise _unusable("pose/look_at", str(change.pose.look_at), reason, remedy)
     if change.colour not in choices.colours:
         reason, remedy = "this run has no such values", f"Choose from {', '.join(choices.colours)}."
         raise _unusable("colour", change.colour, reason, remedy)

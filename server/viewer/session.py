@@ -96,7 +96,7 @@ class Session:
         self._streams_since = self._watched
         self._paused, self._told = "", True
         self._server.scene.on_click()(self._clicked)
-        self._server.on_client_connect(lambda client: self._player.welcome(client))
+        self._server.on_client_connect(self._welcome)
         self._thread = threading.Thread(target=self._show, name="viewer", daemon=True)
         self._thread.start()
 
@@ -199,6 +199,10 @@ class Session:
         self._closing.set()
         self._wake.set()
         self._thread.join(timeout=10.0)
+
+    def _welcome(self, client: viser.ClientHandle) -> None:
+        client.camera.on_update(lambda _: self._player.notice(client))
+        self._player.welcome(client)
 
     def _clicked(self, event: viser.SceneClickEvent) -> None:
         """Viser tells clicks from drags, which move the camera, and gives the ray of a click."""
@@ -308,7 +312,7 @@ class Sessions:
 
         Args:
             session: Which.
-            **changes: Fields of ``PlaybackState``.
+            **changes: Fields of ``PlaybackState``, and ``pose`` of the camera.
         """
         with self._lock:
             if changes.get("playing") and not session.may_play:

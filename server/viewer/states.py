@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from server.viewer.camera import Preset
+from server.viewer.camera import Place, Pose, Preset
 from server.viewer.colour_map import ColourBar
 from server.viewer.palette import Colouring, Theme
 from server.viewer.picking import Picked
@@ -30,6 +30,59 @@ class OpenedView(BaseModel):
 
     session: Annotated[str, Field(description="128 random bits.")]
     url: Annotated[str, Field(description="Page to show in a frame, under this origin.")]
+
+
+_Coordinates = Annotated[
+    list[Annotated[float, Field(ge=-1e5, le=1e5)]], Field(min_length=3, max_length=3)
+]
+
+
+class PoseChange(BaseModel):
+    """Where the camera should be; up is always z."""
+
+    model_config = _STRICT
+
+    position: Annotated[_Coordinates, Field(description="Of the eye, (x, y, z). [m]")]
+    look_at: Annotated[_Coordinates, Field(description="What it looks at, (x, y, z). [m]")]
+    fov: Annotated[
+        float | None,
+        Field(ge=0.01, le=2.6, description="Vertical field of view; left out, the preset's. [rad]"),
+    ] = None
+    time: Annotated[
+        float | None,
+        Field(
+            ge=0.0,
+            le=1e6,
+            description="When it was there, for `follow`, which carries it on; now. [s]",
+        ),
+    ] = None
+
+    @classmethod
+    def read(cls, text: str) -> PoseChange:
+        """From an address: six numbers between commas, and perhaps the field of view.
+
+        Raises:
+            ValueError: It is something else, or out of bounds.
+        """
+        numbers = [float(part) for part in text.split(",")]
+        if len(numbers) not in (6, 7):
+            raise ValueError(f"{len(numbers)} numbers are no pose")
+        fov = numbers[6] if len(numbers) == 7 else None
+        return cls(position=numbers[:3], look_at=numbers[3:6], fov=fov)
+
+    def pose(self) -> Pose:
+        """As the viewer takes it."""
+        return Pose(
+            position=_place(self.position),
+            look_at=_place(self.look_at),
+            field=self.fov,
+            time=self.time,
+        )
+
+
+def _place(coordinates: list[float]) -> Place:
+    x, y, z = coordinates
+    return x, y, z
 
 
 class ViewChange(BaseModel):
@@ -66,6 +119,10 @@ class ViewChange(BaseModel):
     camera: Annotated[
         Preset, Field(description="Where to look from; `free` leaves the camera alone.")
     ] = "overview"
+    pose: Annotated[
+        PoseChange | None,
+        Field(description="Where the camera goes instead; null: where its preset has it."),
+    ] = None
     theme: Annotated[Theme, Field(description="Of the page around the view.")] = "light"
     colour: Annotated[
         Colouring, Field(description="What colours say, from `available_colours`.")
@@ -129,6 +186,31 @@ class PickedState(BaseModel):
         )
 
 
+class PoseState(BaseModel):
+    """Where somebody moved the camera; up is always z."""
+
+    position: Annotated[Place, Field(description="Of the eye, (x, y, z). [m]")]
+    look_at: Annotated[Place, Field(description="What it looks at, (x, y, z). [m]")]
+    fov: Annotated[
+        float | None, Field(description="Vertical field of view, null for the preset's. [rad]")
+    ]
+
+    @classmethod
+    def of(cls, pose: Pose) -> PoseState:
+        """A pose as JSON, in whole millimetres."""
+        return cls(
+            position=_rounded(pose.position),
+            look_at=_rounded(pose.look_at),
+            fov=None if pose.field is None else round(pose.field, 4),
+        )
+
+
+def _rounded(place: Place) -> Place:
+    # Adding zero makes a zero of a negative one.
+    x, y, z = (round(value, 3) + 0.0 for value in place)
+    return x, y, z
+
+
 class ViewState(BaseModel):
     """What is shown now, and what could be."""
 
@@ -140,6 +222,9 @@ class ViewState(BaseModel):
     scale: float
     layers: list[str]
     camera: Preset
+    pose: Annotated[
+        PoseState | None, Field(description="Where somebody moved the camera, if it is there.")
+    ]
     theme: Theme
     colour: Colouring
     colour_bar: BarState | None
@@ -163,6 +248,7 @@ class ViewState(BaseModel):
         """What a session shows now; its viewers then know why it was paused, if it was."""
         player, choices = session.player, session.player.choices
         state, timeline, bar = player.state, player.timeline, player.colour_bar()
+        pose = player.pose
         return cls(
             session=session.id,
             run=session.run,
@@ -172,6 +258,7 @@ class ViewState(BaseModel):
             scale=state.scale,
             layers=[name for name in choices.layers if name in state.layers],
             camera=state.camera,
+            pose=None if pose is None else PoseState.of(pose),
             theme=state.theme,
             colour=state.colour,
             colour_bar=None if bar is None else BarState.of(bar),

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from server.viewer import captions
-from server.viewer.camera import Preset, View, view
+from server.viewer.camera import Pose, Preset, View, posed, view
 from server.viewer.colour_map import ColourBar
 from server.viewer.palette import Colouring, Theme
 from server.viewer.picture import PictureMaker
@@ -44,6 +44,7 @@ class StillOptions:
         time: In the run, None for the moment at which the view opens. [s]
         mode: The mode of a modal run, counted from 0.
         camera: Preset; ``free`` is the overview.
+        pose: Where somebody moved the camera; None for the preset's own place.
         colour: What the surface's colours say.
         scale: Deformation scale, None for one at which the deformation is well seen.
         theme: Light or dark.
@@ -54,6 +55,7 @@ class StillOptions:
     time: float | None = None
     mode: int = 0
     camera: Preset = "overview"
+    pose: Pose | None = None
     colour: Colouring = "none"
     scale: float | None = None
     theme: Theme = "light"
@@ -88,7 +90,8 @@ def read_still(source: FrameSource, options: StillOptions) -> Still:
     scale = maker.scale() if options.scale is None else options.scale
     picture = maker.picture(index, scale, options.colour, phase)
     geometry = source.plan.geometry
-    looks = view(options.camera, geometry, picture.first_axle, options.width / options.height)
+    usual = view(options.camera, geometry, picture.first_axle, options.width / options.height)
+    looks = posed(usual, options.pose)
     cut = options.camera == "section"
     return Still(
         view=looks,

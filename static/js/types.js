@@ -57,11 +57,14 @@
  *   stops: [number, string][] }} ColourBar
  * @typedef {{ sequence: number, layer: string, point: [number, number, number],
  *   slab_point: number | null }} Picked
+ * @typedef {{ position: [number, number, number], look_at: [number, number, number],
+ *   fov: number | null }} CameraPose where somebody moved the camera [m]; field of view where it is not its
+ *   preset's [rad]
  * @typedef {{ session: string, run: string, time: number, playing: boolean, rate: number, scale: number,
  *   layers: string[], camera: string, theme: string, available_layers: string[], last_time: number,
  *   frame_interval: number, done: boolean, clients: number, colour: string,
  *   smooth: boolean, available_colours: string[], colour_bar: ColourBar | null, mode: number, modal: boolean,
- *   picked: Picked | null, paused: string }} ViewerState
+ *   picked: Picked | null, paused: string, pose: CameraPose | null }} ViewerState
  * @typedef {{ pointer: string, confidence: string, text: string }} Remark what to know of one figure
  * @typedef {{ name: string, source: string, confidence: string, remarks: Remark[], value: any }} LibraryEntry
  *   value is the part of a study

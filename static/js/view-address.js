@@ -6,6 +6,7 @@
 
 /** @typedef {{ from: number, to: number } | null} TimeWindow */
 /** @typedef {[number, number, number]} Point x, y, z [m] */
+/** @typedef {import("./types.js").CameraPose} CameraPose */
 /**
  * @typedef {object} Look
  * @property {string} run id; empty for the one that the page proposes
@@ -17,6 +18,7 @@
  * @property {string} colour what the 3D view's colours stand for; empty for the viewer's own choice
  * @property {number | null} scale of the deformation
  * @property {string} camera
+ * @property {CameraPose | null} pose of the camera, where somebody moved it away from its preset's place
  * @property {string[]} hidden layers of the 3D view
  * @property {Record<string, string[]>} channels chosen for each figure
  * @property {Record<string, string>} variants how a figure is drawn that has several ways
@@ -41,6 +43,7 @@ export function lookOf(query) {
     colour: query.get("colour") ?? "",
     scale: number("scale"),
     camera: query.get("camera") ?? "",
+    pose: poseOf(query.get("pose")),
     hidden: (query.get("hidden") ?? "").split(",").filter(Boolean),
     channels: channelsOf(query.get("channels") ?? ""),
     variants: variantsOf(query.get("variant") ?? ""),
@@ -65,6 +68,7 @@ export function addressOf(look) {
     address.to = fixed(look.window?.to);
   }
   if ("place" in look) address.place = look.place ? pointText(look.place) : null;
+  if ("pose" in look) address.pose = look.pose ? poseText(look.pose) : null;
   if ("mode" in look) address.mode = look.mode && look.mode > 1 ? String(look.mode) : null;
   if ("scale" in look) address.scale = look.scale ? String(look.scale) : null;
   if ("hidden" in look) address.hidden = look.hidden?.join(",") || null;
@@ -85,6 +89,35 @@ function pointText(point) {
 function pointOf(text) {
   const parts = (text ?? "").split(",").map(finite);
   return parts.length === 3 && !parts.includes(null) ? /** @type {Point} */ (parts) : null;
+}
+
+/** Of coordinates, as the server bounds them. [m] */
+const FARTHEST = 1e5;
+/** Between the eye and what it looks at. [m] */
+const NEAREST = 0.01;
+
+/**
+ * The eye, what it looks at, and the field of view where the preset does not say it.
+ *
+ * @param {CameraPose} pose
+ */
+export function poseText({ position, look_at, fov }) {
+  const numbers = [...position, ...look_at].map((value) => String(Number(value.toFixed(3)) + 0));
+  return [...numbers, ...(fov ? [String(Number(fov.toFixed(4)))] : [])].join(",");
+}
+
+/**
+ * @param {string | null} text
+ * @returns {CameraPose | null}
+ */
+function poseOf(text) {
+  const numbers = (text ?? "").split(",").map(finite);
+  const [x, y, z, atX, atY, atZ, fov = null] = numbers.map((value) => value ?? Number.NaN);
+  if (numbers.includes(null) || numbers.length < 6 || numbers.length > 7) return null;
+  const near = [x, y, z, atX, atY, atZ].every((value) => Math.abs(value) <= FARTHEST);
+  const looks = Math.hypot(x - atX, y - atY, z - atZ) >= NEAREST;
+  const seen = fov === null || (fov >= 0.01 && fov <= 2.6);
+  return near && looks && seen ? { position: [x, y, z], look_at: [atX, atY, atZ], fov } : null;
 }
 
 /** @param {Record<string, string[]>} channels */

@@ -1,7 +1,7 @@
 // @ts-check
 /**
  * The viewer's page in a frame of our own origin. Emits `ready` when it is loaded and `press` after
- * a click that was no turning of the view; passes the instrument's keys on to the page.
+ * a click that was no turning of the view, `turn` after everything that may have been one; passes the instrument's keys on to the page.
  */
 import { h } from "./dom.js";
 
@@ -51,10 +51,14 @@ export class ViewerEmbed extends EventTarget {
     inside?.addEventListener(
       "pointerup",
       ({ clientX: x, clientY: y }) => {
-        if (Math.hypot(x - pressed.x, y - pressed.y) < STILL) this.dispatchEvent(new CustomEvent("press"));
+        const still = Math.hypot(x - pressed.x, y - pressed.y) < STILL;
+        this.dispatchEvent(new CustomEvent(still ? "press" : "turn"));
       },
       { capture: true },
     );
+    for (const kind of ["wheel", "keyup", "dblclick"]) {
+      inside?.addEventListener(kind, () => this.dispatchEvent(new CustomEvent("turn")), { capture: true, passive: true });
+    }
     inside?.addEventListener("keydown", (event) => this.#pass(event));
   }
 

@@ -7,14 +7,14 @@
 import { api } from "./api.js";
 
 /** @typedef {import("./types.js").ViewerState} ViewerState */
-/** @typedef {Partial<Pick<ViewerState, "time" | "playing" | "rate" | "scale" | "layers" | "camera" | "theme" | "colour" | "smooth" | "mode" | "run">> & { place?: [number, number, number] | null }} Steering */
+/** @typedef {Partial<Pick<ViewerState, "time" | "playing" | "rate" | "scale" | "layers" | "camera" | "theme" | "colour" | "smooth" | "mode" | "run">> & { place?: [number, number, number] | null, pose?: (import("./types.js").CameraPose & { time?: number }) | null }} Steering */
 
 /** Steering at most this often; the latest value wins. [ms] */
 const PACE = 60;
 /** How often the state is asked for while nothing is steered. [ms] */
 const LOOK = 4000;
 /** When to look for the point that a click hit. [ms] */
-const PICKS = [80, 180, 350, 700, 1400];
+const PICKS = [80, 180, 350, 700, 1400, 2800];
 
 export class ViewerSession extends EventTarget {
   #id = "";
@@ -22,6 +22,9 @@ export class ViewerSession extends EventTarget {
   /** @type {Steering | null} */
   #pending = null;
   #sending = false;
+  /** How often it was steered, and how many of these words are answered. */
+  #steered = 0;
+  #answered = 0;
   /** @type {ReturnType<typeof setInterval> | undefined} */
   #looking;
   /** @type {ViewerState | null} */
@@ -44,8 +47,14 @@ export class ViewerSession extends EventTarget {
 
   /** @param {Steering} change */
   steer(change) {
+    this.#steered += 1;
     this.#pending = { ...this.#pending, ...change };
     if (this.#id && !this.#sending) void this.#send();
+  }
+
+  /** Whether the state is of all that was asked for. */
+  get settled() {
+    return this.#answered === this.#steered;
   }
 
   async #send() {
@@ -53,7 +62,8 @@ export class ViewerSession extends EventTarget {
     while (this.#pending && !this.#closed) {
       const change = this.#pending;
       this.#pending = null;
-      await this.#take(api.steerViewer(this.#id, change));
+      const steered = this.#steered;
+      await this.#take(api.steerViewer(this.#id, change), () => (this.#answered = steered));
       await new Promise((resolve) => setTimeout(resolve, PACE));
     }
     this.#sending = false;
@@ -61,7 +71,7 @@ export class ViewerSession extends EventTarget {
 
   /** Asks what is shown; a tab in the background does not. */
   async look() {
-    if (this.#id && !this.#closed && !document.hidden) await this.#take(api.viewer(this.#id));
+    if (this.#id && !this.#closed && !document.hidden && this.settled) await this.#take(api.viewer(this.#id));
   }
 
   /**
@@ -80,11 +90,16 @@ export class ViewerSession extends EventTarget {
     return null;
   }
 
-  /** @param {Promise<ViewerState>} answer */
-  async #take(answer) {
+  /**
+   * @param {Promise<ViewerState>} answer
+   * @param {() => void} [note] counts it before anybody hears of it
+   */
+  async #take(answer, note) {
+    const steered = this.#steered;
     try {
-      const state = await answer;
-      if (this.#closed) return;
+      const state = await answer.finally(note);
+      // What was read before somebody steered would turn it back.
+      if (this.#closed || (!note && steered !== this.#steered)) return;
       this.state = state;
       this.dispatchEvent(new CustomEvent("state", { detail: state }));
     } catch (error) {

@@ -21,6 +21,7 @@ const look = {
   colour: "acceleration",
   scale: 200,
   camera: "section",
+  pose: { position: [-21.5, -40.125, 12], look_at: [27, 0, -0.003], fov: null },
   hidden: ["rails", "train"],
   channels: { displacement: ["mid-span 2, axis/displacement"], spectrum: ["odd;name|with%/x", "b"] },
   variants: { "slab-map": "raw", spectrum: "hann" },

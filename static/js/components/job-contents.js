@@ -13,6 +13,7 @@ import { h } from "../dom.js";
 import { jobFigure, runFigure } from "../figures.js";
 import { POINT_FIGURES, tabsOf } from "../job-tabs.js";
 import { isActive } from "../job-words.js";
+import { cameraAsked } from "../viewer-looks.js";
 
 /** @typedef {import("../types.js").Job} Job */
 /** @typedef {import("../types.js").Run} Run */
@@ -53,8 +54,8 @@ export function contentOf(id, shown) {
   }
   if (id === "files") {
     const files = /** @type {JobFiles} */ (h("tb-job-files"));
-    const { mode } = view.look;
-    files.bind({ job, run, figures, time: view.cursor.time || view.look.time || 0, mode });
+    const time = view.cursor.time || view.look.time || 0;
+    files.bind({ job, run, figures, time, mode: view.look.mode, camera: cameraAsked(view.look, time) });
     return files;
   }
   const own = tabsOf(job, figures).find((tab) => tab.id === id)?.figures ?? [];

@@ -16,10 +16,10 @@ const ROWS = 40;
 
 export class JobFiles extends HTMLElement {
   /**
-   * @param {{ job: Job, run: string, figures: FigureItem[], time: number, mode: number }} options
-   *   `time` of the still picture [s]; `mode` of a modal analysis, counted from 1
+   * @param {{ job: Job, run: string, figures: FigureItem[], time: number, mode: number, camera: Record<string, string> }} options
+   *   `time` of the still picture [s]; `mode` of a modal analysis, counted from 1; `camera` of the picture
    */
-  bind({ job, run, figures, time, mode }) {
+  bind({ job, run, figures, time, mode, camera }) {
     this.classList.add("card", "sheet", "files-sheet");
     const ended = job.state === "done";
     const modal = job.kind === "modes";
@@ -40,7 +40,7 @@ export class JobFiles extends HTMLElement {
         ...(swept ? [row("Speed sweep", (format) => jobFigureUrl(job.id, "speed-sweep", format, { theme: currentTheme() }))] : []),
       ]),
       group("3D view", [
-        ["Picture", `as drawn by the server, ${modal ? `of mode ${mode}` : `at ${time.toFixed(3)} s`}`, [["PNG", stillUrl(run, { time: modal ? 0 : time, ...look, theme: currentTheme(), width: 1600, height: 900 })]]],
+        ["Picture", `as drawn by the server, ${modal ? `of mode ${mode}` : `at ${time.toFixed(3)} s`}`, [["PNG", stillUrl(run, { time: modal ? 0 : time, ...look, ...camera, theme: currentTheme(), width: 1600, height: 900 })]]],
         ["Replay", "one file that plays without the server", [["HTML", replayUrl(run, look)]]],
       ]),
       !modal && this.#channels(run),

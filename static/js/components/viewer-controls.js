@@ -7,6 +7,8 @@ import { replayUrl, stillUrl } from "../api.js";
 import { h, show } from "../dom.js";
 import { label } from "../format.js";
 import { currentTheme } from "../theme.js";
+import { poseText } from "../view-address.js";
+import { cameraShown, steadyPose } from "../viewer-looks.js";
 
 /** @typedef {import("../run-view.js").RunView} RunView */
 /** @typedef {import("../types.js").ViewerState} ViewerState */
@@ -35,11 +37,13 @@ export class ViewerControls extends HTMLElement {
   /** @type {RunView | null} */
   #view = null;
   #scale = this.#select("Scale of the deformation", (value) => this.#view?.set({ scale: Number(value) }));
-  #camera = this.#select("Camera", (value) => this.#view?.set({ camera: value }));
+  #camera = this.#select("Camera", (value) => this.#view?.set({ camera: value, pose: null }));
   #colour = this.#select("Colours", (value) => this.#view?.set({ colour: value }));
   #layers = h("details", { class: "drop", hidden: true });
   /** The viewer's own scale of a mode, whose size means nothing. */
   #own = 0;
+  /** A scale that suits the run, where the server draws. @type {number | null} */
+  #plain = null;
   /** What the menus offer now, so that they are not built again under somebody's hand. */
   #offered = "";
 
@@ -89,7 +93,7 @@ export class ViewerControls extends HTMLElement {
     if (this.#colour.options.length !== colours.length) {
       options(this.#colour, Object.fromEntries(colours.map((name) => [name, COLOURS[name] ?? name])));
     }
-    for (const [select, value] of /** @type {const} */ ([[this.#scale, state.scale], [this.#camera, state.camera], [this.#colour, state.colour]])) {
+    for (const [select, value] of /** @type {const} */ ([[this.#scale, state.scale], [this.#camera, cameraShown(state)], [this.#colour, state.colour]])) {
       if (document.activeElement !== select && value !== undefined) select.value = String(value);
     }
   }
@@ -100,15 +104,18 @@ export class ViewerControls extends HTMLElement {
    * @param {number} scale that suits the run
    */
   set plain(scale) {
+    this.#plain = scale;
     const look = this.#view?.look;
-    const shown = { scale: look?.scale ?? scale, camera: look?.camera || "overview", colour: look?.colour || "none" };
+    const shown = { scale: look?.scale ?? scale, camera: look?.camera || "overview", pose: look?.pose ?? null, colour: look?.colour || "none" };
     this.state = /** @type {any} */ ({ ...shown, layers: [], available_layers: [], available_colours: Object.keys(COLOURS) });
   }
 
   /** How the view looks now, as an address asks for it. */
   #look() {
-    const { scale, colour, camera, modal, mode } = /** @type {ViewerState} */ (this.#state);
-    return { scale, colour, theme: currentTheme(), ...(camera !== "free" && { camera }), ...(modal && { mode }) };
+    const state = /** @type {ViewerState} */ (this.#state);
+    const { scale, colour, camera, modal, mode } = state;
+    const pose = this.#plain === null ? steadyPose(state) : this.#view?.look.pose;
+    return { scale, colour, theme: currentTheme(), ...(camera !== "free" && { camera }), ...(pose && { pose: poseText(pose) }), ...(modal && { mode }) };
   }
 
   #picture() {
@@ -118,7 +125,9 @@ export class ViewerControls extends HTMLElement {
   /** What is zoomed to; the whole run where nothing is. */
   #replay() {
     const part = this.#state?.modal ? {} : (this.#view?.look.window ?? {});
-    return replayUrl(this.run, { ...part, ...this.#look() });
+    const { pose, ...look } = this.#look();
+    // A place beside the train is there at one time only.
+    return replayUrl(this.run, { ...part, ...look, ...(pose && look.camera !== "follow" && { pose }) });
   }
 
   /** @param {ViewerState} state */
@@ -138,7 +147,11 @@ export class ViewerControls extends HTMLElement {
    * @param {(value: string) => void} choose
    */
   #select(words, choose) {
-    const select = h("select", { "aria-label": words, onchange: () => choose(select.value) });
+    const chosen = () => {
+      choose(select.value);
+      if (this.#plain !== null) this.plain = this.#plain;
+    };
+    const select = h("select", { "aria-label": words, onchange: chosen });
     return select;
   }
 }

@@ -16,6 +16,7 @@ import { currentTheme } from "../theme.js";
 import { ViewerEmbed } from "../viewer-embed.js";
 import { ViewerHealth } from "../viewer-health.js";
 import { looksOf } from "../viewer-looks.js";
+import { ViewerPose } from "../viewer-pose.js";
 import { ViewerSession } from "../viewer-session.js";
 
 /** @typedef {import("../run-view.js").RunView} RunView */
@@ -34,6 +35,7 @@ export class ViewerFrame extends HTMLElement {
   #ended = new AbortController();
   #lastSync = 0;
   #health = new ViewerHealth();
+  #pose = /** @type {ViewerPose | null} */ (null);
   /** Whether the last session was refused or lost. */
   #refused = false;
   /** A scale that suits the run; null leaves the viewer its own. @type {number | null} */
@@ -57,6 +59,7 @@ export class ViewerFrame extends HTMLElement {
     show(this.#place, this.stills);
     show(this, h("div", { class: "viewer-stage" }, this.#place, this.#bar, this.#message), this.#controls);
     const signal = this.#ended.signal;
+    this.#pose = new ViewerPose(view, signal);
     view.cursor.addEventListener("change", (event) => this.#follow(/** @type {CustomEvent} */ (event).detail), { signal });
     view.watch(["colour", "scale", "camera", "hidden", "mode", "place"], () => this.#steer(this.#looks()), signal);
     store.watch("theme", () => this.#steer({ theme: currentTheme() }), signal);
@@ -110,6 +113,7 @@ export class ViewerFrame extends HTMLElement {
     this.#health = new ViewerHealth();
     session.addEventListener("state", (event) => this.#take(/** @type {CustomEvent} */ (event).detail));
     session.addEventListener("lost", () => this.#lost());
+    this.#pose?.begin(session);
     try {
       const url = await session.open(this.#run, currentTheme());
       if (this.isConnected) this.#embed(url);
@@ -135,6 +139,7 @@ export class ViewerFrame extends HTMLElement {
     const embed = (this.#embedded = new ViewerEmbed(url));
     embed.addEventListener("ready", () => this.#repeat());
     embed.addEventListener("press", () => void this.#pick());
+    embed.addEventListener("turn", () => this.#pose?.rest());
     show(this.#place, embed.element);
   }
 
@@ -144,9 +149,7 @@ export class ViewerFrame extends HTMLElement {
   }
 
   /** What was chosen, as far as this run can show it. @returns {Steering} */
-  #looks() {
-    return looksOf(/** @type {RunView} */ (this.#view).look, this.#proposed, this.#session?.state);
-  }
+  #looks = () => looksOf(/** @type {RunView} */ (this.#view).look, this.#proposed, this.#session?.state, this.#pose?.asks);
 
   /** Says everything again, where the viewer may have missed some. */
   #repeat() {
@@ -164,9 +167,8 @@ export class ViewerFrame extends HTMLElement {
     // A run that had no step yet when it was chosen is there by now.
     if (first || state.run !== this.#run) this.#repeat();
     const { wake, simplify, halted, resumed } = this.#health.examine(state, this.#embedded?.smooth);
-    const cursor = this.#view?.cursor;
-    if (halted) cursor?.pause();
-    if (halted) this.#message.say(state.paused, "Resume", () => cursor?.play());
+    if (halted) this.#view?.cursor.pause();
+    if (halted) this.#message.say(state.paused, "Resume", () => this.#view?.cursor.play());
     if (resumed) this.#message.say("");
     if (wake) this.#embedded?.wake();
     if (simplify) this.#steer({ smooth: false });

@@ -8,6 +8,7 @@ import { stillUrl } from "../api.js";
 import { h, show } from "../dom.js";
 import { store } from "../store.js";
 import { currentTheme } from "../theme.js";
+import { cameraAsked } from "../viewer-looks.js";
 
 /** @typedef {import("../run-view.js").RunView} RunView */
 
@@ -40,8 +41,8 @@ export class ViewerStills extends HTMLElement {
     show(this.#line, "From the side, at the time below.");
     show(this, this.#drawing, this.#line);
     const signal = this.#ended.signal;
-    view.cursor.addEventListener("change", () => this.#follow(), { signal });
-    view.watch(["colour", "scale", "camera", "mode"], () => this.#follow(), signal);
+    view.cursor.addEventListener("change", (event) => this.#move(/** @type {CustomEvent} */ (event).detail.reason), { signal });
+    view.watch(["colour", "scale", "camera", "pose", "mode"], () => this.#follow(), signal);
     store.watch("theme", () => this.#follow(), signal);
     this.#image.addEventListener(
       "load",
@@ -97,18 +98,25 @@ export class ViewerStills extends HTMLElement {
     this.#follow();
   }
 
+  /** A place beside the train is left when the train goes on: nobody carries it along here. @param {string} reason */
+  #move(reason) {
+    const { camera, pose } = /** @type {RunView} */ (this.#view).look;
+    if (this.#running && pose && camera === "follow" && reason === "seek") this.#view?.set({ pose: null });
+    this.#follow();
+  }
+
   #follow() {
     const view = this.#view;
     if (!view) return;
     if (this.#motion.speed > 0) this.#side.front = this.#motion.start + this.#motion.speed * view.cursor.time;
     if (!this.#running) return;
-    const { colour, camera, mode } = view.look;
+    const { colour, mode } = view.look;
     const scale = view.look.scale ?? this.#scale;
     this.#wanted = stillUrl(this.#run, {
       time: Number(view.cursor.time.toFixed(4)),
       theme: currentTheme(),
       ...(colour && { colour }),
-      ...(camera && camera !== "free" && { camera }),
+      ...cameraAsked(view.look, view.cursor.time),
       ...(scale && { scale }),
       ...(mode > 1 && { mode: mode - 1 }),
     });
