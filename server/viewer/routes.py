@@ -72,21 +72,7 @@ def _add_resource(
     def change_view(session_id: str, change: ViewChange) -> ViewState:
         """Says what a session shows; fields that are left out stay as they are."""
         session = _found(sessions, session_id)
-        changes = change.model_dump(include=change.model_fields_set)
-        run = changes.pop("run", session.run)
-        source = None if run == session.run else _opened(open_reader, run)
-        choices = session.player.choices if source is None else Choices.of(source)
-        _require_possible(change, choices)
-        if "layers" in changes:
-            changes["layers"] = frozenset(change.layers)
-        if "pose" in changes:
-            changes["pose"] = None if change.pose is None else change.pose.pose()
-        if source is not None:
-            session.switch(run, source)
-        if "place" in changes:
-            session.mark(changes.pop("place"))
-        if changes:
-            sessions.change(session, **changes)
+        _change(sessions, session, change, open_reader)
         return ViewState.of(session)
 
     @routes.delete("/api/v1/viewer/{session_id}", status_code=204)
@@ -94,6 +80,33 @@ def _add_resource(
         """Ends a session."""
         _found(sessions, session_id)
         sessions.close(session_id)
+
+
+def _change(
+    sessions: Sessions,
+    session: Session,
+    change: ViewChange,
+    open_reader: Callable[[str], FrameSource],
+) -> None:
+    """Shows what was asked for, or nothing of it.
+
+    Raises:
+        Problem: 422 that points at the field: the run cannot show it.
+    """
+    changes = change.model_dump(include=change.model_fields_set)
+    run = changes.pop("run", session.run)
+    source = None if run == session.run else _opened(open_reader, run)
+    _require_possible(change, session.player.choices if source is None else Choices.of(source))
+    if "layers" in changes:
+        changes["layers"] = frozenset(change.layers)
+    if "pose" in changes:
+        changes["pose"] = None if change.pose is None else change.pose.pose()
+    if source is not None:
+        session.switch(run, source)
+    if "place" in changes:
+        session.mark(changes.pop("place"))
+    if changes:
+        sessions.change(session, **changes)
 
 
 def _add_page(routes: APIRouter, sessions: Sessions) -> None:
