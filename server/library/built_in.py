@@ -16,6 +16,7 @@ from server.library.parts import PARTS
 from solver import studies
 from solver.data import load
 from solver.irregularities import Irregularity, IsolatedDefect, NoIrregularity
+from solver.models.hslm import hslm_a, hslm_a_names
 from solver.studies import Study
 
 __all__ = ["BuiltInEntry", "Remark", "built_in_entries"]
@@ -91,7 +92,39 @@ def _trains() -> list[BuiltInEntry]:
             confidence="B: one source; two independent engines agree on it (trainbridge verify)",
             value=_part("trains", _study("two-span-separation")),
         ),
+        *(_hslm_a(name) for name in hslm_a_names()),
     ]
+
+
+def _hslm_a(name: str) -> BuiltInEntry:
+    """A universal train of EN 1991-2."""
+    data, study = load("hslm_a"), _study("sprung-mass-beam")
+    return BuiltInEntry(
+        id=f"hslm-{name.lower()}",
+        kind="trains",
+        name=f"HSLM-{name} of EN 1991-2",
+        source=data["source"],
+        confidence=data["confidence"],
+        value=_part("trains", replace(study, train=hslm_a(name))),
+        remarks=_HSLM_REMARKS,
+    )
+
+
+_HSLM_REMARKS = (
+    Remark(
+        pointer="/bounce_frequency",
+        confidence="assumed",
+        text=(
+            "The standard's forces are constant; masses on springs of 0.1 Hz press with a force "
+            "that varies by one part in ten thousand while the rail moves by some millimetres."
+        ),
+    ),
+    Remark(
+        pointer="/damping_ratio",
+        confidence="assumed",
+        text="Without damping the force depends on the springs alone.",
+    ),
+)
 
 
 _KHST_REMARKS = (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, cast
@@ -11,6 +11,7 @@ from typing import Any, cast
 from server.errors import Finding, Problem, pointer, shortened
 from server.jobs.submission import read_study
 from solver import studies
+from solver.irregularities import MeasuredProfile
 from solver.studies import Study
 
 __all__ = ["LARGEST_PART", "PARTS", "read_part"]
@@ -28,7 +29,7 @@ PARTS: Mapping[str, str] = MappingProxyType(
 LARGEST_PART = 256 * 1024
 """A part as JSON: twelve types of car and forty cars take a twentieth of it. [B]"""
 
-_PLAIN_TRAINS = frozenset({"sprung_masses"})
+_PLAIN_TRAINS = frozenset({"sprung_masses", "axle_table"})
 
 
 def read_part(
@@ -60,17 +61,19 @@ def read_part(
         study = read_study(body)
     except Problem as problem:
         return {}, [_moved(item, part, path) for item in problem.errors]
-    findings = _own_relations(study, path) if kind == "trains" else []
+    findings = [*_own_relations(study, kind, path)]
     return ({} if findings else studies.to_json(study)[part]), findings
 
 
-def _own_relations(study: Study, path: Sequence[str | int]) -> list[Finding]:
-    """What a train's own fields forbid together, such as a car of no type in the consist."""
-    return [
-        _finding((*path, *item.path[1:]), shortened(item.value), item.reason, item.remedy)
-        for item in studies.check(study).errors
-        if item.path[:1] == ("train",)
-    ]
+def _own_relations(study: Study, kind: str, path: Sequence[str | int]) -> Iterator[Finding]:
+    """What a part's own fields forbid together: a car of no type, samples that run backwards."""
+    found: Iterable[studies.Finding] = ()
+    if kind == "trains":
+        found = (item for item in studies.check(study).errors if item.path[:1] == ("train",))
+    elif isinstance(study.irregularity, MeasuredProfile):
+        found = studies.sample_order(study.irregularity)
+    for item in found:
+        yield _finding((*path, *item.path[1:]), shortened(item.value), item.reason, item.remedy)
 
 
 def _companions(value: Mapping[str, Any]) -> str:

@@ -25,6 +25,8 @@ NEAR_LOSS = 0.5
 """Part of the static load below which the axis reaches down to zero."""
 SAME = 1e-4
 """Relative difference below which two curves cannot be told apart."""
+ALIKE = 0.02
+"""Relative difference below which the wheels of a train are said to have one static load."""
 AIR = 0.12
 """Free height above and below the curves, as a part of theirs."""
 
@@ -50,10 +52,13 @@ def contact_force(run: RunSource, request: FigureRequest) -> Figure:
     if curves:
         note = horizontal_note(0.0, "0: contact lost", LIMIT)
         notes.append({**note, "yanchor": "top"})
-    static = _static_load(run, chosen)
+    statics = _static_loads(run, chosen)
+    static = statics[0] if statics else None
     if static is not None and curves:
         shapes.append(horizontal_line(static, MUTED))
-        words = f"static load {quantity(static, curves[0].unit, 4)}"
+        alike = max(statics) - min(statics) < ALIKE * static
+        whose = "" if alike else f" of {chosen[0].name.removesuffix(QUANTITY)}"
+        words = f"static load{whose} {quantity(static, curves[0].unit, 4)}"
         notes.append(horizontal_note(static, words, MUTED))
     return compose(
         plan=run.plan,
@@ -131,11 +136,11 @@ def _joined(curves: list[Curve]) -> list[Curve]:
     return [replace(left, name=f"{left.name} and right")]
 
 
-def _static_load(run: RunSource, chosen: Sequence[ChannelSpec]) -> float | None:
-    """The first wheel's load at the static start, in display units."""
-    if run.committed == 0 or not chosen:
-        return None
-    return float(run.channel(chosen[0].name, 0, 1)[0] * chosen[0].unit.scale)
+def _static_loads(run: RunSource, chosen: Sequence[ChannelSpec]) -> list[float]:
+    """The wheels' loads at the static start, in display units; none before there is a step."""
+    if run.committed == 0:
+        return []
+    return [float(run.channel(spec.name, 0, 1)[0] * spec.unit.scale) for spec in chosen]
 
 
 def _value_range(curves: Sequence[Curve], static: float | None) -> tuple[float, float] | None:

@@ -157,9 +157,14 @@ def _known(kind: str, value: Mapping[str, Any]) -> BuiltInEntry | None:
 
 
 def _like(kind: str, value: Mapping[str, Any]) -> BuiltInEntry | None:
-    """The first built-in entry of the same type: what was changed of it is the author's."""
-    entries = (entry for entry in built_in_entries() if entry.kind == kind)
-    return next((entry for entry in entries if entry.value["type"] == value["type"]), None)
+    """The first built-in entry of the same type: what was changed of it is the author's.
+
+    Of several it is the one of the same name: a table of axles is no universal train for its type.
+    """
+    entries = [entry for entry in built_in_entries() if entry.kind == kind]
+    alike = [entry for entry in entries if entry.value["type"] == value["type"]]
+    named = [entry for entry in alike if entry.value.get("name") == value.get("name")]
+    return next(iter(named if len(alike) > 1 else alike), None)
 
 
 def _at(value: Any, pointer: str) -> Any:
@@ -174,7 +179,7 @@ _NOT_CHECKED = (
     "deck twist (EN 1990:2002/A1 A2.4.4.2.2), vertical deformation of the deck (A2.4.4.2.3), "
     "transverse deformation and vibration (A2.4.4.2.4)",
     "stresses, fatigue, track stability, bearing uplift and the load models of EN 1991-2 "
-    "(LM71, SW, HSLM)",
+    "(LM71, SW, HSLM) other than the study's own train",
 )
 
 

@@ -19,6 +19,8 @@ _NOT_PHYSICAL = frozenset({"/name", "/schema_version"})
 """What no result depends on."""
 _OF_ANOTHER_KIND = 0.5
 """A study that differs from every template in more than this share of its inputs has none."""
+_LONG = 4
+"""From this many rows on, a table of numbers is read column by column."""
 
 Path = tuple[str | int, ...]
 
@@ -121,11 +123,33 @@ def _walk(record: Any, path: Path) -> Iterator[Input]:
 def _inputs_at(value: Any, hint: Any, path: Path) -> Iterator[Input]:
     if dataclasses.is_dataclass(value):
         yield from _walk(value, path)
+    elif _is_table(value):
+        yield from _columns(value, path)
     elif isinstance(value, tuple) and any(dataclasses.is_dataclass(item) for item in value):
         for index, item in enumerate(value):
             yield from _walk(item, (*path, index))
     else:
         yield Input(pointer=pointer(path), value=value, unit=_unit(hint))
+
+
+def _is_table(value: Any) -> bool:
+    """Whether a value is a long list of records of numbers: samples, axles."""
+    return (
+        isinstance(value, tuple)
+        and len(value) >= _LONG
+        and all(dataclasses.is_dataclass(item) for item in value)
+        and all(isinstance(cell, int | float) for item in value for cell in vars(item).values())
+    )
+
+
+def _columns(rows: Sequence[Any], path: Path) -> Iterator[Input]:
+    """A table column by column: nobody reads samples cell by cell."""
+    hints = _hints(type(rows[0]))
+    for entry in dataclasses.fields(rows[0]):
+        cells = tuple(getattr(row, entry.name) for row in rows)
+        yield Input(
+            pointer=pointer((*path, entry.name)), value=cells, unit=_unit(hints[entry.name])
+        )
 
 
 @lru_cache(maxsize=256)

@@ -16,13 +16,17 @@ _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _SHOWN_ITEMS = 24
 _REPEATED = 3
 """Equal neighbours in a list that are counted instead of repeated."""
-_MEANINGS = {
+_MEANINGS: dict[tuple[str, float | None], str] = {
     ("/approach/length", 0.0): "follows from the train",
     ("/approach/bed_stiffness", 0.0): "matched to the track's deflection",
     ("/outputs/cut_off_frequency", 0.0): "the standard's",
     ("/line_speed", 0.0): "not stated",
+    ("/train/axles/stiffness", 0.0): "follows from the bounce frequency",
+    ("/train/axles/damping", 0.0): "follows from the damping ratio",
 }
-"""Values that stand for something else."""
+"""Values that stand for something else; in a column of a table, where every row has it."""
+_ROW = re.compile(r"/\d+(?=/)")
+"""Of a short table, whose cells are read one by one."""
 
 
 def number(value: float | None, figures: int = 4) -> str:
@@ -75,8 +79,9 @@ def unit_text(unit: Unit | str | None) -> str:
 
 def shown(value: Any, unit: Unit | None, pointer: str = "") -> str:
     """An input's value in its display unit, whatever it is."""
-    if isinstance(value, int | float) and (pointer, value) in _MEANINGS:
-        return _MEANINGS[pointer, value]
+    meaning = _MEANINGS.get((_ROW.sub("", pointer), _only(value)))
+    if meaning is not None:
+        return meaning
     if value is None:
         return "–"
     if isinstance(value, bool):
@@ -87,6 +92,13 @@ def shown(value: Any, unit: Unit | None, pointer: str = "") -> str:
         return _list(cast(Sequence[Any], value), unit)
     # Choices and names of car types are written as in JSON; a text of the user's stands as it is.
     return str(value).replace("_", " ") if pointer != "/name" else str(value)
+
+
+def _only(value: Any) -> float | None:
+    """A number, or the one that all rows of a column have; None where there is none."""
+    rows = cast(Sequence[Any], value) if isinstance(value, tuple | list) else (value,)
+    numeric = bool(rows) and all(isinstance(row, int | float) for row in rows)
+    return float(rows[0]) if numeric and all(row == rows[0] for row in rows) else None
 
 
 def _list(values: Sequence[Any], unit: Unit | None) -> str:

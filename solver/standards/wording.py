@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from solver.data import load
+from solver.models.hslm import hslm_a_names
 from solver.standards.verdict import Peak, Scope, SpanPeak
 
 __all__ = ["deck_notes", "deck_statement", "kilometres_per_hour"]
@@ -95,6 +96,7 @@ def deck_notes(
     speed_note = _speed_note(scope.speed, line_speed, highest_speed)
     if speed_note:
         notes.append(speed_note)
+    notes += _train_notes(scope.train)
     shown = [str(span.number) for span in spans if not span.judged]
     if shown:
         subject = "Span" if len(shown) == 1 else "Spans"
@@ -133,3 +135,17 @@ def _beside_limit(value: float, limit: float) -> str:
         if float(text) != limit or value == limit:
             return text
     return f"{value:.9g}"
+
+
+def _train_notes(train: str) -> list[str]:
+    """One universal train is not the load model.
+
+    References:
+        EN 1991-2:2003 6.4.6.1.1(4).
+    """
+    if train not in {f"HSLM-{name}" for name in hslm_a_names()}:
+        return []
+    return [
+        "EN 1991-2:2003 6.4.6.1.1(4) asks for the critical one of HSLM-A1 to A10 on a simply "
+        f"supported span, else for all ten; this verdict is for {train}."
+    ]

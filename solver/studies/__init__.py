@@ -7,6 +7,7 @@ from solver.studies.estimate import Estimate
 from solver.studies.json import to_json
 from solver.studies.modes import ModalRun, modal_analysis, modal_run
 from solver.studies.prepare import prepare, prepare_model, runs_of
+from solver.studies.profile_rules import sample_order
 from solver.studies.resonance import SpanFrequency, known_frequency, resonance_speeds
 from solver.studies.shared import model_key, source_digest
 from solver.studies.simulate import simulate
@@ -34,6 +35,7 @@ __all__ = [
     "prepare_model",
     "resonance_speeds",
     "runs_of",
+    "sample_order",
     "simulate",
     "source_digest",
     "template",

@@ -9,10 +9,12 @@ from solver.factorisation import back_end_name
 from solver.irregularities import IsolatedDefect
 from solver.models.ballasted_track import TrackProperties
 from solver.models.mesh_level import MESH_LEVELS, MeshLevel
+from solver.models.train import GRAVITY, ArticulatedTrain, AxleTable, TrainProperties
 from solver.models.viaduct import ViaductProperties
 from solver.studies.bounds import Finding
 from solver.studies.crossing import element_length
 from solver.studies.estimate import estimate
+from solver.studies.profile_advice import profile_advice
 from solver.studies.rules import allowed_time_step, rounded_down
 from solver.studies.study import JobKind, Study
 
@@ -26,6 +28,8 @@ _STEPS_PER_ELEMENT = 4.0
 """Steps that a wheel takes over a rail element whose passing is still followed."""
 _ELEMENTS_PER_WAVE = 6.0
 """Shells along a bending wave of the slab whose shape is still followed."""
+_LIGHTEST_AXLE = 30e3
+"""Trams have heavier axles. [N]"""
 
 
 def warnings(study: Study, kind: JobKind = "crossing") -> list[Finding]:
@@ -174,6 +178,62 @@ def _short_defect(study: Study, kind: JobKind) -> Iterator[Finding]:
         )
 
 
+def _profile(study: Study, kind: JobKind) -> Iterator[Finding]:
+    """Samples of a measured profile must suit speed and time step."""
+    del kind
+    yield from profile_advice(study)
+
+
+def _alternating_force(study: Study, kind: JobKind) -> Iterator[Finding]:
+    """Without dissipation a massless contact point that is held rigidly never comes to rest.
+
+    Its velocity alternates from step to step after every kink of the rail, as at a beam's end; a
+    dashpot makes contact forces of it.
+    """
+    del kind
+    undissipated = study.contact.law == "rigid" and study.integration.alpha == 0.0
+    if undissipated and _has_dashpot_without_mass(study.train):
+        yield Finding(
+            path=("integration", "alpha"),
+            value=0.0,
+            reason=(
+                "lets contact forces alternate from step to step: the train has dashpots without "
+                "unsprung mass on a rigid contact"
+            ),
+            remedy="Use -0.05, or a contact of Hertz's law.",
+        )
+
+
+def _has_dashpot_without_mass(train: TrainProperties) -> bool:
+    """Whether a dashpot stands on a massless contact point."""
+    if isinstance(train, ArticulatedTrain):
+        return False
+    if isinstance(train, AxleTable):
+        return any(
+            axle.unsprung_mass == 0.0 and train.suspension(axle)[1] > 0.0 for axle in train.axles
+        )
+    return train.damping > 0.0
+
+
+def _light_axles(study: Study, kind: JobKind) -> Iterator[Finding]:
+    """Tables come in tonnes as often as in kilonewtons: no railway's axles weigh a tenth."""
+    del kind
+    train = study.train
+    if not isinstance(train, AxleTable):
+        return
+    heaviest = max(train.axles, key=lambda axle: axle.load)
+    if heaviest.load < _LIGHTEST_AXLE:
+        yield Finding(
+            path=("train", "axles", train.axles.index(heaviest), "load"),
+            value=heaviest.load,
+            reason=(
+                f"is the heaviest axle, of {1e-3 * heaviest.load:.3g} kN: were tonnes given for "
+                "kilonewtons?"
+            ),
+            remedy=f"Give loads in kilonewtons: a tonne weighs {GRAVITY:g} kN.",
+        )
+
+
 _Advice = Callable[[Study, JobKind], Iterator[Finding]]
 
 _RULES: tuple[_Advice, ...] = (
@@ -183,6 +243,9 @@ _RULES: tuple[_Advice, ...] = (
     _coarse_for_cut_off,
     _short_run_in,
     _short_defect,
+    _profile,
+    _alternating_force,
+    _light_axles,
 )
 """Of a crossing."""
 _MODAL_RULES: dict[str, tuple[_Advice, ...]] = {"viaduct": (_screening_mesh, _slow_back_end)}

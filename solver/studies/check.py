@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from solver.irregularities import IsolatedDefect
+from solver.irregularities import IsolatedDefect, MeasuredProfile
 from solver.models.ballasted_track import TrackProperties
 from solver.studies.advice import warnings
 from solver.studies.bounds import Finding, violations
 from solver.studies.crossing import crossing, train_length
 from solver.studies.estimate import Estimate, estimate
+from solver.studies.profile_advice import shortest_wave
 from solver.studies.resonance import (
     SpanFrequency,
     first_frequency,
@@ -145,8 +146,10 @@ def _frequencies(study: Study, first: SpanFrequency) -> dict[str, Quantity]:
 
 
 def _irregularity(study: Study) -> dict[str, Quantity]:
-    """How long a defect is, and how often a wheel meets it a second."""
+    """How long a defect is, and how often a wheel meets it a second; what a profile holds."""
     defect = study.irregularity
+    if isinstance(defect, MeasuredProfile):
+        return _profile(defect, max(study.sweep.speeds))
     if not isinstance(defect, IsolatedDefect):
         return {}
     length = 2.0 * DEFECT_REACH / defect.wave_number
@@ -161,3 +164,18 @@ def _irregularity(study: Study) -> dict[str, Quantity]:
             unit=Units.frequency,
         ),
     }  # fmt: skip
+
+
+def _profile(measured: MeasuredProfile, fastest: float) -> dict[str, Quantity]:
+    """What the samples of a profile can hold."""
+    wave = shortest_wave(measured)
+    return {
+        "profile_wave": Quantity(
+            title="Shortest wave of the profile, two spacings", value=wave, unit=Units.length
+        ),
+        "profile_frequency": Quantity(
+            title=f"Highest frequency that the profile holds at {3.6 * fastest:.4g} km/h",
+            value=fastest / wave,
+            unit=Units.frequency,
+        ),
+    }

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Literal
 
 from solver.models.ballasted_track import TrackProperties, track_ends
+from solver.models.beam_bridge import BeamBridge
 from solver.models.rails import ELEMENTS_PER_BAY
-from solver.models.train import ArticulatedTrain
+from solver.models.train import ArticulatedTrain, AxleTable
 from solver.models.train_layout import lay_out
 from solver.models.viaduct import ViaductProperties
 from solver.studies.study import Study
@@ -20,6 +22,7 @@ __all__ = [
     "Crossing",
     "crossing",
     "element_length",
+    "rail_count",
     "structure_ends",
     "train_axles",
     "train_length",
@@ -59,6 +62,8 @@ def train_length(study: Study) -> float:
     train = study.train
     if isinstance(train, ArticulatedTrain):
         return -_axles(train)[-1]
+    if isinstance(train, AxleTable):
+        return train.axles[-1].position - train.axles[0].position
     return (train.count - 1) * train.spacing
 
 
@@ -122,4 +127,9 @@ def train_axles(study: Study) -> int:
     train = study.train
     if isinstance(train, ArticulatedTrain):
         return len(_axles(train))
-    return train.count
+    return len(train.axles) if isinstance(train, AxleTable) else train.count
+
+
+def rail_count(study: Study) -> Literal[1, 2]:
+    """Rails on which the wheels roll: a plain beam is one path."""
+    return 1 if isinstance(study.viaduct, BeamBridge) else 2

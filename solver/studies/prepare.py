@@ -10,7 +10,7 @@ from solver.integrators import HHT
 from solver.irregularities import describe
 from solver.models.beam_bridge import BeamBridge
 from solver.models.mesh_level import MeshLevel
-from solver.models.train import GRAVITY
+from solver.models.train import GRAVITY, ArticulatedTrain, AxleTable
 from solver.results import RunPlan
 from solver.simulation import Simulation
 from solver.studies.crossing import crossing
@@ -123,13 +123,14 @@ def _facts(
         "back_end": back_end_name(),
         "live_channels": list(recording.live),
     }
+    assumed = {"assumed": found} if (found := _assumed(study)) else {}
     if isinstance(study.viaduct, BeamBridge):
-        return facts
+        return facts | assumed
     assert structure is not None
     report("finding the natural frequencies of the deciding span")
     facts["mesh_level"] = study.mesh_level
     facts["mesh_accuracy"] = _accuracy(study.mesh_level)
-    facts["assumed"] = list(_ASSUMED)
+    facts |= assumed
     facts["approach_bed_stiffness"] = scene.bed_stiffness
     facts["member_frequencies"] = shared.frequencies(structure, recording.slab.judged_spans)
     return facts
@@ -163,10 +164,30 @@ def _accuracy(level: MeshLevel) -> list[str]:
     ]
 
 
-_ASSUMED = (
-    "places of the bearings",
-    "mass of edge beams and safeguards",
-    "heights of the inter-car dampers",
-    "roll coupling at the articulations",
-)
+def _assumed(study: Study) -> list[str]:
+    """Inputs that no source prints, as far as the study's parts have them."""
+    found: list[str] = [] if isinstance(study.viaduct, BeamBridge) else [*_ASSUMED_OF_THE_DECK]
+    train = study.train
+    if isinstance(train, ArticulatedTrain):
+        found += _ASSUMED_OF_CARS
+    elif isinstance(train, AxleTable):
+        found += _assumed_of_axles(train)
+    return found
+
+
+def _assumed_of_axles(train: AxleTable) -> list[str]:
+    """What stands for the suspension that the rows do not give."""
+    percent = f"{100.0 * train.damping_ratio:g} percent of"
+    if any(axle.stiffness == 0.0 for axle in train.axles):
+        damped = f"with {percent} critical damping" if train.damping_ratio else "without damping"
+        bounce = f"sprung masses bounce at {train.bounce_frequency:g} Hz"
+        return [f"suspension of the axles: {bounce} {damped}"]
+    if any(axle.damping == 0.0 for axle in train.axles):
+        damped = f"{percent} the critical one" if train.damping_ratio else "none"
+        return [f"damping of the axles: {damped}"]
+    return []
+
+
+_ASSUMED_OF_THE_DECK = ("places of the bearings", "mass of edge beams and safeguards")
+_ASSUMED_OF_CARS = ("heights of the inter-car dampers", "roll coupling at the articulations")
 """Inputs that the thesis does not print."""

@@ -7,14 +7,16 @@ from collections.abc import Callable, Iterator
 
 from solver.errors import InputError
 from solver.irregularities import IsolatedDefect
+from solver.models.axle_table import axle_table_errors
 from solver.models.ballasted_track import TrackProperties
 from solver.models.beam_bridge import BeamBridge
-from solver.models.train import ArticulatedTrain
+from solver.models.train import ArticulatedTrain, AxleTable, SprungMasses
 from solver.models.viaduct import ViaductProperties
 from solver.standards.low_pass import DESIGN_FACTOR
 from solver.studies.bounds import Finding
 from solver.studies.crossing import crossing, element_length, train_length
 from solver.studies.estimate import structure_unknowns
+from solver.studies.profile_rules import profile, sample_order_of
 from solver.studies.study import JobKind, Study
 
 __all__ = ["allowed_time_step", "relations", "rounded_down"]
@@ -39,8 +41,11 @@ def relations(study: Study, kind: JobKind = "crossing") -> list[Finding]:
     """
     if kind == "modes":
         return list(_MODAL_RULES[study.modes.part](study))
-    # Parts that do not go together would only set off the rules that follow.
-    return list(_parts(study)) or [found for rule in _RULES for found in rule(study)]
+    parts = list(_parts(study))
+    if parts:
+        # They would only set off the rules that follow; a sample's row is wrong beside any part.
+        return [*parts, *sample_order_of(study)]
+    return [found for rule in _RULES for found in rule(study)]
 
 
 def _parts(study: Study) -> Iterator[Finding]:
@@ -53,16 +58,19 @@ def _parts(study: Study) -> Iterator[Finding]:
             path=("train", "type"),
             value=study.train.type,
             reason="has two rails; a plain beam has one path",
-            remedy='Use a train of type "sprung_masses", or a viaduct of type "u_girder".',
+            remedy=(
+                'Use a train of type "sprung_masses" or "axle_table", or a viaduct of type '
+                '"u_girder".'
+            ),
         )
-    elif not isinstance(study.viaduct, BeamBridge) and not isinstance(
-        study.train, ArticulatedTrain
-    ):
+    elif not isinstance(study.viaduct, BeamBridge) and isinstance(study.train, SprungMasses):
         yield Finding(
             path=("train", "type"),
             value=study.train.type,
             reason="rolls on one path; a ballasted track has two rails",
-            remedy='Use a train of type "articulated", or a viaduct of type "beam".',
+            remedy=(
+                'Use a train of type "articulated" or "axle_table", or a viaduct of type "beam".'
+            ),
         )
     else:
         yield from _train_layout(study)
@@ -81,8 +89,11 @@ def _deck(study: Study) -> Iterator[Finding]:
 
 
 def _train_layout(study: Study) -> Iterator[Finding]:
-    """What the train's model itself refuses: an unknown car, a hinge that meets no other."""
-    yield from _refusal(lambda: train_length(study))
+    """What the train's model itself refuses: an unknown car, axles that are not in order."""
+    if isinstance(study.train, AxleTable):
+        yield from map(_as_finding, axle_table_errors(study.train))
+    else:
+        yield from _refusal(lambda: train_length(study))
 
 
 def _deck_layout(study: Study) -> Iterator[Finding]:
@@ -96,8 +107,12 @@ def _refusal(build: Callable[[], object]) -> Iterator[Finding]:
     try:
         build()
     except InputError as error:
-        path = tuple(int(part) if part.isdigit() else part for part in error.field.split("."))
-        yield Finding(path=path, value=error.value, reason=error.reason, remedy=error.remedy)
+        yield _as_finding(error)
+
+
+def _as_finding(error: InputError) -> Finding:
+    path = tuple(int(part) if part.isdigit() else part for part in error.field.split("."))
+    return Finding(path=path, value=error.value, reason=error.reason, remedy=error.remedy)
 
 
 def _slow(study: Study) -> Iterator[Finding]:
@@ -226,7 +241,7 @@ def _defect(study: Study) -> Iterator[Finding]:
         )
 
 
-_RULES: tuple[Rule, ...] = (_slow, _time_step, _cut_off, _approach, _defect)
+_RULES: tuple[Rule, ...] = (_slow, _time_step, _cut_off, _approach, _defect, profile)
 """Of a crossing, once its parts go together."""
 
 

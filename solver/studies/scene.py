@@ -18,7 +18,7 @@ from solver.models.rails import ELEMENTS_PER_BAY, rail_line
 from solver.models.structure_model import StructureModel
 from solver.models.train import GRAVITY, TrainModel, build_train
 from solver.models.viaduct import ViaductProperties
-from solver.studies.crossing import Crossing
+from solver.studies.crossing import Crossing, rail_count
 from solver.studies.shared import Shared
 from solver.studies.study import Study
 from solver.system import System
@@ -71,7 +71,7 @@ def build_scene(
         InputError: The parts do not fit together.
     """
     report("building the train")
-    train = build_train(study.train)
+    train = build_train(study.train, rail_count(study))
     structure, bed_stiffness = None, 0.0
     if isinstance(study.viaduct, BeamBridge):
         line = beam_bridge_line(study.viaduct, extent.path_start, extent.path_end)

@@ -13,6 +13,7 @@ from solver.contact.laws import NonlinearHertz
 from solver.modal import rayleigh_damping_ratios
 from solver.models.train import GRAVITY, Body, TrainModel, build_train
 from solver.results import Geometry
+from solver.studies.crossing import rail_count
 from solver.studies.modal_shapes import PartModes, none_of
 from solver.studies.observe import body_geometry, body_rows, drawn_bodies, wheel_geometry
 from solver.studies.scene import StageListener
@@ -31,7 +32,7 @@ def train_modes(study: Study, report: StageListener) -> PartModes:
     mean static load, or none where the contact is rigid.
 
     Args:
-        study: The study; only its train and contact law matter.
+        study: The study; only its train and contact law matter, and of an axle table the rails.
         report: Told each stage.
 
     Returns:
@@ -41,7 +42,7 @@ def train_modes(study: Study, report: StageListener) -> PartModes:
         Neves (2016), section 6.2.3.
     """
     report("building the train")
-    train = build_train(study.train)
+    train = build_train(study.train, rail_count(study))
     spring = _contact_stiffness(study.contact, train)
     report("finding the modes")
     frequencies, shapes = _modes(train, spring, study.modes.count)

@@ -1,7 +1,7 @@
 // @ts-check
 /** Runs side by side, in words: their names, their inputs, how much a result changed. Pure. */
 import { number, speed, unitText } from "./format.js";
-import { counted, condensed } from "./ranges.js";
+import { abridged, counted } from "./ranges.js";
 import { nameOf } from "./schema.js";
 import { titleOf, words } from "./titles.js";
 
@@ -74,7 +74,7 @@ export function inputText(value, unit) {
   if (typeof value === "boolean") return value ? "yes" : "no";
   if (typeof value === "number") return `${number(value * (unit?.scale ?? 1), 6)} ${unitText(unit)}`.trim();
   if (!Array.isArray(value)) return String(value).replaceAll("_", " ");
-  if (value.every((item) => typeof item === "number")) return `${condensed(value.map((item) => item * (unit?.scale ?? 1)))} ${unitText(unit)}`.trim();
+  if (value.every((item) => typeof item === "number")) return `${abridged(value.map((item) => item * (unit?.scale ?? 1)))} ${unitText(unit)}`.trim();
   return counted(value.map(String)).replaceAll("_", " ");
 }
 

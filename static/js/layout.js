@@ -13,7 +13,8 @@
  * @property {[number, number][]} spans beginning and end of each span [m]
  * @property {Car[]} cars
  * @property {number[]} axles x of each axle less the first [m]
- * @property {number[]} masses x of each sprung mass less the first [m]
+ * @property {number[]} masses x of each sprung mass, or each axle of a table, less the first [m]
+ * @property {number} box length of the box that stands for such a mass [m]
  * @property {{ position: number, rail: string, amplitude: number, width: number }[]} defects width is that of the drawn bell [m]
  * @property {{ x: number, judged: boolean }[]} points the mid-spans, where histories are recorded
  * @property {Levels} levels
@@ -27,6 +28,8 @@ const GAP = 0.2;
 export const RAIL_HEIGHT = 0.172;
 /** Where wheels roll on the beam itself, its top lies this far below the drawn line. [m] */
 const BEAM_TOP = 0.12;
+/** The box of a sprung mass, the part of the way to the next one that it fills, and the shortest. [m, 1, m] */
+const [BOX, FILLED, LEAST_BOX] = [3, 0.7, 0.3];
 /** A beam whose depth nobody states is drawn with this part of its span. */
 const SLENDERNESS = 14;
 
@@ -41,7 +44,7 @@ export function layoutOf(study) {
   return {
     spans,
     ...(articulated ? carsOf(train) : { cars: [], axles: [] }),
-    masses: articulated ? [] : massesOf(train),
+    ...(articulated ? { masses: [], box: BOX } : massesOf(train)),
     defects: defectsOf(study.irregularity),
     points: pointsOf(spans, study.viaduct),
     levels: levelsOf(study),
@@ -106,8 +109,30 @@ function spansOf(viaduct) {
 
 /** @param {any} train */
 function massesOf(train) {
+  if (train.type === "axle_table") return tableOf(train);
   const count = Math.round(drawable(train.count, 1, 40));
-  return Array.from({ length: count }, (_, index) => -index * drawable(train.spacing, 20, 1000) || 0);
+  return { masses: Array.from({ length: count }, (_, index) => -index * drawable(train.spacing, 20, 1000) || 0), box: BOX };
+}
+
+/**
+ * Axles of a table, each box short enough to stand beside its neighbours.
+ *
+ * @param {any} train
+ */
+function tableOf(train) {
+  const places = axleRows(train).map((axle) => Number(axle.position));
+  const gaps = places.slice(1).map((place, index) => place - places[index]).filter((gap) => gap > 0);
+  return { masses: places.map((place) => places[0] - place), box: Math.max(Math.min(BOX, ...gaps.map((gap) => FILLED * gap)), LEAST_BOX) };
+}
+
+/**
+ * Axles of a table that have a place: what is being typed may have none yet.
+ *
+ * @param {any} train
+ * @returns {any[]}
+ */
+export function axleRows(train) {
+  return Array.isArray(train?.axles) ? train.axles.filter((/** @type {any} */ axle) => Number.isFinite(axle?.position)) : [];
 }
 
 /** @param {any} irregularity */

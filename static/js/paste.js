@@ -63,15 +63,18 @@ export function numberOf(text) {
 }
 
 /**
- * Rows without a first one of headings: words where numbers should be.
+ * Rows without a first one of headings, words where numbers should be, and those of units below it,
+ * where nothing is a number.
  *
  * @param {string[][]} table
  * @param {boolean[]} numeric which columns hold numbers
  */
 export function withoutHeadings(table, numeric) {
+  const wordy = (/** @type {string} */ cell, /** @type {number} */ index) => numeric[index] && cell !== "" && Number.isNaN(numberOf(cell));
   const [first, ...rest] = table;
-  const wordy = first?.some((cell, index) => numeric[index] && cell !== "" && Number.isNaN(numberOf(cell)));
-  return wordy && rest.length ? rest : table;
+  if (!rest.length || !first.some(wordy)) return table;
+  const isUnits = rest[0].some(wordy) && rest[0].every((cell, index) => !numeric[index] || cell === "" || wordy(cell, index));
+  return isUnits && rest.length > 1 ? rest.slice(1) : rest;
 }
 
 /**

@@ -3,10 +3,15 @@
 
 /** From this many equally spaced numbers on, a list reads better as a range. */
 const SHORTEST = 4;
+/** So many numbers are read in full. */
+const FEW = 24;
 /** Steps that differ by less than this are the same, relative to the step. */
 const NOISE = 1e-6;
 /** A range gives no more numbers than this: whoever types 0:1:1e-9 shall not wait for it. */
 export const MOST = 1000;
+
+/** Figures of a number that is only read. */
+const READ = 8;
 
 /** @param {number} value */
 const tidy = (value) => Number(value.toPrecision(12));
@@ -53,6 +58,22 @@ export function condensed(given) {
     }
   }
   return parts.join(", ");
+}
+
+/**
+ * Numbers as text to read: equal neighbours once with their count, of many others only the first and
+ * the last.
+ *
+ * @param {number[]} values
+ * @returns {string}
+ */
+export function abridged(values) {
+  const size = (/** @type {string} */ text) => text.split(", ").length;
+  const read = values.map((value) => Number(value.toPrecision(READ)));
+  const [spaced, equal] = [condensed(read), counted(read.map(String))];
+  const text = size(equal) < size(spaced) ? equal : spaced;
+  if (size(text) <= FEW) return text;
+  return `${read.slice(0, 3).join(", ")}, …, ${read[read.length - 1]} (${read.length} values)`;
 }
 
 /**

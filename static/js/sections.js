@@ -43,6 +43,7 @@ const BASIC = new Set([
   "/viaduct/spans", "/viaduct/slab_width", "/viaduct/slab_thickness", "/mesh_level",
   "/viaduct/young_modulus", "/viaduct/second_moment", "/viaduct/mass_per_length",
   "/train/name", "/train/consist", "/train/mass", "/train/stiffness", "/train/damping", "/train/count", "/train/spacing",
+  "/train/axles", "/train/bounce_frequency", "/train/damping_ratio",
   "/track/sleeper_spacing", "/track/pad_stiffness", "/track/ballast_depth",
   "/integration/time_step", "/integration/alpha",
 ]); // prettier-ignore

@@ -4,19 +4,28 @@ import { differences } from "./difference.js";
 import { shown } from "./entry.js";
 import { unitText } from "./format.js";
 import { at } from "./pointer.js";
+import { abridged } from "./ranges.js";
 import { completed, fieldsUnder } from "./schema.js";
 import { sectionsOf } from "./sections.js";
 import { titleOf, words } from "./titles.js";
 
 /** @typedef {import("./types.js").Study} Study */
 /** @typedef {import("./types.js").Template} Template */
-/** @typedef {import("./schema.js").Field} Field */
+/** @typedef {import("./schema.js").Field & { column?: { table: string, key: string } }} Field column: it stands for all cells of one */
 /**
  * @typedef {{ pointer: string, label: string, text: string, unit: string, standard: string | null }} Row
  *   `standard` is the template's value where it is another one
  * @typedef {{ title: string, rows: Row[] }} Group
  * @typedef {{ title: string, groups: Group[] }} Section
  */
+
+/** From this many rows on, a table of numbers is read column by column. */
+const LONG = 4;
+/** What a column stands for whose cells are all 0, by its pointer. @type {Record<string, string>} */
+const WHERE_ZERO = {
+  "/train/axles/stiffness": "follows from the bounce frequency",
+  "/train/axles/damping": "follows from the damping ratio",
+};
 
 /**
  * The study's inputs in the order of the editor.
@@ -32,7 +41,7 @@ export function studySections(study, kind, template, document) {
   const whole = completed(schema, study, document);
   const other = template && completed(schema, template, document);
   const changed = other ? differences(other, whole) : [];
-  const fields = fieldsUnder(schema, whole, "", document).filter(({ pointer }) => pointer !== "/schema_version");
+  const fields = columnwise(fieldsUnder(schema, whole, "", document), whole).filter(({ pointer }) => pointer !== "/schema_version");
   const row = (/** @type {Field} */ field) => rowOf(field, whole, other, changed);
   return sectionsOf(Object.keys(schema.properties), kind, whole.modes?.part)
     .map(({ title, parts, read }) => ({
@@ -43,6 +52,56 @@ export function studySections(study, kind, template, document) {
       ).map(({ title: name, fields: some }) => ({ title: name, rows: some.map(row) })),
     }))
     .filter(({ groups }) => groups.length);
+}
+
+/**
+ * The fields, one for each column of a long table of numbers: nobody reads samples cell by cell.
+ *
+ * @param {Field[]} fields
+ * @param {Study} study
+ * @returns {Field[]}
+ */
+function columnwise(fields, study) {
+  /** @type {Map<string, boolean>} */
+  const long = new Map();
+  /** @type {Map<string, Field>} */
+  const found = new Map();
+  for (const field of fields) {
+    const [, table = "", key = ""] = /^(.*)\/\d+\/([^/]+)$/.exec(field.pointer) ?? [];
+    if (table && !long.has(table)) long.set(table, isLong(at(study, table)));
+    const pointer = long.get(table) ? `${table}/${key}` : field.pointer;
+    if (!found.has(pointer)) found.set(pointer, long.get(table) ? { ...field, pointer, column: { table, key } } : field);
+  }
+  return [...found.values()];
+}
+
+/** @param {any} rows */
+function isLong(rows) {
+  return Array.isArray(rows) && rows.length >= LONG && rows.every((row) => Object.values(row ?? {}).every((cell) => typeof cell === "number"));
+}
+
+/**
+ * What a study holds in a field, in a column all its cells.
+ *
+ * @param {Study} study
+ * @param {Field} field
+ */
+function valueAt(study, { pointer, column }) {
+  if (!column) return at(study, pointer);
+  const rows = at(study, column.table);
+  return Array.isArray(rows) ? rows.map((row) => row?.[column.key]) : undefined;
+}
+
+/**
+ * Whether a field is, holds or lies in something that differs.
+ *
+ * @param {Field} field
+ * @param {string} other pointer of what differs
+ */
+function concerns({ pointer, column }, other) {
+  const place = column?.table ?? pointer;
+  if (other === "" || other === place || place.startsWith(`${other}/`)) return true;
+  return other.startsWith(`${place}/`) && (!column || other.endsWith(`/${column.key}`));
 }
 
 /**
@@ -101,16 +160,21 @@ function groupTitle(pointer, study) {
  */
 function rowOf(field, study, template, changed) {
   const { pointer } = field;
-  const differs = changed.some((other) => pointer === other || pointer.startsWith(`${other}/`) || other.startsWith(`${pointer}/`) || other === "");
+  const differs = changed.some((other) => concerns(field, other));
   const text = (/** @type {any} */ value) => written(value, field);
+  const value = valueAt(study, field);
+  const follows = isAllZero(value) && pointer in WHERE_ZERO;
   return {
     pointer,
     label: titleOf(pointer, field.label),
-    text: text(at(study, pointer)),
-    unit: unitText(field.unit),
-    standard: template && differs ? text(at(template, pointer)) : null,
+    text: follows ? WHERE_ZERO[pointer] : text(value),
+    unit: follows ? "" : unitText(field.unit),
+    standard: template && differs ? text(valueAt(template, field)) : null,
   };
 }
+
+/** @param {any} value */
+const isAllZero = (value) => Array.isArray(value) && value.length > 0 && value.every((cell) => cell === 0);
 
 /**
  * @param {any} value
@@ -118,6 +182,7 @@ function rowOf(field, study, template, changed) {
  */
 function written(value, field) {
   if (field.kind === "switch") return value ? "yes" : "no";
+  if (field.column) return Array.isArray(value) ? abridged(value.map((item) => item * (field.unit?.scale ?? 1))) : "–";
   if (field.kind === "choice") return titleOf(String(value)).toLowerCase();
   return shown(value, field).replace(/^-/, "−") || "–";
 }

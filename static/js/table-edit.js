@@ -26,22 +26,25 @@ function typed(text, column) {
 }
 
 /**
- * Rows with a block of cells put in; rows that are missing are added as copies of the last.
+ * Rows with a block of cells put in; rows that are missing are added as copies of the last. A block
+ * at the first cell that has all columns a row must have is the whole table: rows beyond it go.
  *
  * @param {any[]} rows
  * @param {Field[]} columns
  * @param {string[][]} block as it lies on the screen
  * @param {{ row: number, column: number }} start of the study's rows and columns
- * @param {{ most: number, blank: any }} limits
+ * @param {{ most: number, least?: number, blank: any }} limits
  * @returns {Pasted}
  */
-export function pasted(rows, columns, block, start, { most, blank }) {
+export function pasted(rows, columns, block, start, { most, least = 1, blank }) {
   const turned = isTransposed(columns) ? turn(block) : block;
   const numeric = columns.slice(start.column).map((column) => column.kind === "number" || column.kind === "integer");
   const table = withoutHeadings(turned, numeric);
   /** @type {string[]} */
   const refused = [];
-  let changed = [...rows];
+  const first = start.row === 0 && start.column === 0 && !isTransposed(columns);
+  const whole = first && table.length >= least && table.every((cells) => cells.length >= needed(columns));
+  let changed = whole ? rows.slice(0, table.length) : [...rows];
   for (const [down, cells] of table.entries()) {
     const row = start.row + down;
     if (row >= most) {
@@ -58,6 +61,15 @@ export function pasted(rows, columns, block, start, { most, blank }) {
     }
   }
   return { rows: changed, refused };
+}
+
+/**
+ * How many columns from the first on hold all that a row must have: the others have a standard.
+ *
+ * @param {Field[]} columns
+ */
+function needed(columns) {
+  return columns.findLastIndex(({ standard }) => standard === undefined) + 1 || columns.length;
 }
 
 /**

@@ -11,10 +11,12 @@ const TITLES = {
   "/irregularity/position": "Position x₀",
   none: "None",
   isolated: "Isolated defect",
+  measured: "Measured profile",
   u_girder: "Box girder viaduct",
   beam: "Plain beams",
   articulated: "Articulated train",
   sprung_masses: "Sprung masses",
+  axle_table: "Table of axles",
   ballasted: "Ballasted track",
 };
 

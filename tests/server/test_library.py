@@ -193,9 +193,9 @@ def test_an_import_takes_all_or_nothing(client: Client) -> None:
     assert "/items/0/kind" in findings(client, "POST", "", {"items": [{**good, "kind": "boats"}]})
 
 
-def test_the_library_is_bounded(database_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_library_is_bounded(migrated_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(store_library, "MOST_ENTRIES", 2)
-    database = Database(database_url)
+    database = Database(migrated_url)
     new = NewEntry(
         kind="trains", name="a\0b", source="", confidence="", remarks=(), value={"type": "x"}
     )

@@ -190,6 +190,14 @@ def test_speed_note_until_a_sweep_reaches_it(
         assert any("432 km/h for a line speed of 360 km/h" in note for note in notes)
 
 
+def test_one_universal_train_is_not_the_load_model() -> None:
+    scope = Scope(train="HSLM-A4", speed=100.0, irregularity="", mesh_level="")
+    (said,) = [note for note in verdict(scope=scope).notes if "HSLM" in note]
+    assert "6.4.6.1.1(4)" in said
+    assert said.endswith("this verdict is for HSLM-A4.")
+    assert not any("HSLM" in note for note in verdict().notes)
+
+
 def test_json_is_plain() -> None:
     plain = verdict().to_dict()
     assert json.loads(json.dumps(plain, allow_nan=False)) == plain

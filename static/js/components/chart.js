@@ -65,7 +65,7 @@ export class Chart extends HTMLElement {
     this.#table.setAttribute("aria-label", `Numbers: ${title}`);
     show(this.#summary, "On its way…");
     if (source.channels) this.#picker.bind({ load: source.channels, any, drawn: [] });
-    const tools = h("div", { class: "row chart-tools" }, variants.length > 0 && segments({ legend: title, options: variants, chosen: query.variant ?? variants[0][0], choose: (variant) => this.#vary(variant) }), this.#files);
+    const tools = h("div", { class: "row chart-tools" }, variants.length > 1 && segments({ legend: title, options: variants, chosen: query.variant ?? variants[0][0], choose: (variant) => this.#vary(variant) }), this.#files);
     show(
       this,
       h("div", { class: "row spread" }, this.#heading, tools),

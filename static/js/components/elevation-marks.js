@@ -51,3 +51,21 @@ export function defect({ position: x, amplitude, width }) {
     s("title", null, `Defect at x = ${x} m, A = ${+(amplitude * 1000).toFixed(2)} mm`),
   );
 }
+
+/** How high the largest elevation of a profile is drawn. [m] */
+const PROFILE = 0.9;
+
+/**
+ * A measured profile: its samples over the rail, far too high, between two flags.
+ *
+ * @param {NonNullable<ReturnType<typeof import("../irregularity-profile.js").stretchOf>>} item
+ */
+export function stretch({ from, to, words, paths }) {
+  return s(
+    "g",
+    { class: "stretch" },
+    paths.map((points, index) => s("path", { class: index ? "other" : null, d: `M${points.map(([x, r]) => `${x.toFixed(2)} ${(-PROFILE * r).toFixed(3)}`).join("L")}` })),
+    s("path", { class: "flag", d: `M${from} -0.7V-5.4H${to}V-0.7` }),
+    s("title", null, `Measured profile, ${words}`),
+  );
+}

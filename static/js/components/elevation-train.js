@@ -9,7 +9,7 @@ const ROOF = -4;
 
 /** @param {Layout} layout */
 export function trainParts(layout) {
-  return [...layout.cars.map(car), ...axles(layout), ...layout.masses.map(mass)];
+  return [...layout.cars.map(car), ...axles(layout), ...layout.masses.map((x) => mass(x, layout.box))];
 }
 
 /**
@@ -48,15 +48,19 @@ function axles(layout) {
   return layout.axles.map((x) => s("circle", { class: "wheel", cx: x, cy: -0.46, r: 0.46 }));
 }
 
-/** @param {number} x */
-function mass(x) {
+/**
+ * @param {number} x
+ * @param {number} box length of the drawn mass [m]
+ */
+function mass(x, box) {
+  const half = Math.min(0.55, box / 3);
   return s(
     "g",
     { class: "car mass" },
-    s("rect", { x: x - 1.5, y: ROOF - 0.3, width: 3, height: 1.9, rx: 0.35 }),
+    s("rect", { x: x - box / 2, y: ROOF - 0.3, width: box, height: 1.9, rx: 0.35 }),
     s("path", {
       class: "spring",
-      d: `M${x} ${ROOF + 1.6} v0.25 l-0.55 0.2 l1.1 0.35 l-1.1 0.35 l1.1 0.35 l-0.55 0.2 v0.2`,
+      d: `M${x} ${ROOF + 1.6} v0.25 l${-half} 0.2 l${2 * half} 0.35 l${-2 * half} 0.35 l${2 * half} 0.35 l${-half} 0.2 v0.2`,
     }),
     s("circle", { class: "wheel", cx: x, cy: -0.42, r: 0.42 }),
   );

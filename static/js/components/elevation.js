@@ -2,7 +2,8 @@
 /** The viaduct from the side with the train on it, drawn to scale from the study. */
 import { s, show } from "../dom.js";
 import { layoutOf } from "../layout.js";
-import { defect, lengths, output } from "./elevation-marks.js";
+import { stretchOf } from "../irregularity-profile.js";
+import { defect, lengths, output, stretch } from "./elevation-marks.js";
 import { trainParts } from "./elevation-train.js";
 
 /** @typedef {import("../types.js").Study} Study */
@@ -53,13 +54,16 @@ export class Elevation extends HTMLElement {
     const margin = this.scope === "track" ? 1 : Math.max(MARGIN, (46 - end) / 2);
     const width = end + 2 * margin;
     const height = ground + 6.2 + (this.labelled ? width * 0.07 : 0);
+    const profile = this.scope === "crossing" ? stretchOf(this.#study.irregularity) : null;
+    const measured = profile ? ` Measured profile of ${profile.words}` : "";
     const [bridge, load] = [this.scope === "crossing" || this.scope === "viaduct", this.scope === "crossing" || this.scope === "train"];
     const picture = s(
       "svg",
-      { viewBox: `${-margin} -6.2 ${width} ${height}`, preserveAspectRatio: "xMidYMax meet", role: "img", "aria-label": describe(layout, this.scope), class: "elevation" },
+      { viewBox: `${-margin} -6.2 ${width} ${height}`, preserveAspectRatio: "xMidYMax meet", role: "img", "aria-label": describe(layout, this.scope, this.#study.train?.type) + measured, class: "elevation" },
       bridge ? [banks(end, levels, ground), layout.spans.map(([from, to]) => span(from, to, levels)), piers(layout, ground)] : bed(end, ground),
       s("line", { class: "rail", x1: -FAR, x2: end + FAR, y1: 0, y2: 0 }),
       load && s("g", { class: "train" }, trainParts(layout)),
+      profile && stretch(profile),
       this.scope === "crossing" && [layout.defects.map(defect), layout.points.map((point, index) => output(point, index, levels, width))],
       this.labelled && bridge && lengths(layout, ground, width),
     );
@@ -72,7 +76,7 @@ export class Elevation extends HTMLElement {
     if (!train || !this.#study) return;
     const spans = layoutOf(this.#study).spans;
     const end = spans[spans.length - 1]?.[1] ?? 20;
-    const rest = this.#study.train?.type === "articulated" ? end - 3 : end * 0.42;
+    const rest = this.#study.train?.type === "sprung_masses" ? end * 0.42 : end - 3;
     train.setAttribute("transform", `translate(${(this.#front ?? rest).toFixed(3)} 0)`);
   }
 }
@@ -80,12 +84,13 @@ export class Elevation extends HTMLElement {
 /**
  * @param {Layout} layout
  * @param {Elevation["scope"]} scope
+ * @param {string} kind of train
  */
-function describe(layout, scope) {
+function describe(layout, scope, kind) {
   const lengths = `spans of ${layout.spans.map(([from, to]) => `${+(to - from).toFixed(2)} m`).join(", ")}`;
-  const load = layout.cars.length
-    ? `a train of ${layout.cars.length} cars`
-    : `${layout.masses.length} sprung mass${layout.masses.length > 1 ? "es" : ""}`;
+  const one = layout.masses.length === 1;
+  const masses = kind === "axle_table" ? `axle${one ? "" : "s"}` : `sprung mass${one ? "" : "es"}`;
+  const load = layout.cars.length ? `a train of ${layout.cars.length} cars` : `${layout.masses.length} ${masses}`;
   const defect = layout.defects.map((item) => `; defect at x = ${item.position} m`).join("");
   const words = { crossing: `${lengths}; ${load}${defect}`, viaduct: lengths, train: load, track: "track on its bed" };
   return `Elevation: ${words[scope]}.`;
