@@ -79,6 +79,27 @@ export function inputText(value, unit) {
 }
 
 /**
+ * The texts of an input's values side by side. Long lists are shortened; where that hides the
+ * difference from the first one, the text says where it begins.
+ *
+ * @param {any[]} values SI
+ * @param {Unit | null} unit
+ * @returns {string[]}
+ */
+export function inputTexts(values, unit) {
+  const texts = values.map((value) => inputText(value, unit));
+  const first = values[0];
+  return texts.map((text, index) => {
+    const value = values[index];
+    if (text !== texts[0] || !Array.isArray(value) || !Array.isArray(first)) return text;
+    const rows = value.flatMap((item, row) => (item === first[row] ? [] : [row]));
+    if (!rows.length) return text;
+    const others = rows.length > 1 ? `, ${rows.length - 1} more` : "";
+    return `${text}; row ${rows[0] + 1}: ${inputText(value[rows[0]], unit)}${others}`;
+  });
+}
+
+/**
  * How much a result changed against the baseline.
  *
  * @param {number | null} change relative [1]

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { changeText, chosenChannel, inputName, inputText, resultGroups, runNames, runsOf } from "../../static/js/compare-words.js";
+import { changeText, chosenChannel, inputName, inputText, inputTexts, resultGroups, runNames, runsOf } from "../../static/js/compare-words.js";
 
 const run = (id, changes = {}) => ({ id, job: "j", name: "KHST", kind: "crossing", index: 0, runs: 1, state: "done", parameters: { speed: 100 }, has_histories: true, ...changes });
 
@@ -64,4 +64,16 @@ test("the first history is what a verdict looks at", () => {
   assert.equal(chosenChannel(channels, null), "mid-span 2, axis/acceleration");
   assert.equal(chosenChannel(channels, "wheel 01/contact force"), "wheel 01/contact force");
   assert.equal(chosenChannel([], "x"), "");
+});
+
+test("long lists that are shortened alike still say where they differ", () => {
+  const metres = { symbol: "m", display: "mm", scale: 1000 };
+  const level = Array.from({ length: 60 }, (_, index) => 1e-4 * ((index * 7) % 23));
+  const bumped = level.map((value, index) => (index === 16 ? 0.0031 : value));
+  const twice = bumped.map((value, index) => (index === 30 ? 0.004 : value));
+  const [first, second, third, fourth] = inputTexts([level, bumped, twice, null], metres);
+  assert.equal(second, `${first}; row 17: 3.1 mm`);
+  assert.equal(third, `${first}; row 17: 3.1 mm, 1 more`);
+  assert.equal(fourth, "–");
+  assert.deepEqual(inputTexts([[1, 2], [1, 2]], null), ["1, 2", "1, 2"]);
 });

@@ -1,6 +1,6 @@
 // @ts-check
 /** Inputs that differ and results of runs side by side, as tables. */
-import { changeText, inputName, inputText, resultGroups, resultText } from "../compare-words.js";
+import { changeText, inputName, inputTexts, resultGroups, resultText } from "../compare-words.js";
 import { h, show } from "../dom.js";
 import { unitText } from "../format.js";
 
@@ -43,7 +43,7 @@ function inputPart(inputs, names) {
 /** @param {ComparedInput} input */
 function inputRow({ pointer, unit, values }) {
   const { section, name } = inputName(pointer);
-  const texts = values.map((value) => inputText(value, unit));
+  const texts = inputTexts(values, unit);
   return h(
     "tr",
     null,
