@@ -22,6 +22,9 @@ _REMEMBERED = 64
 """Placements whose answers may still be on their way: four seconds of playing."""
 _RETURNS = 3
 """How often a page is sent on that goes back to where it opens."""
+_UNBORN = ((0.0, 0.0, 5.0), (3.0, 3.0, 3.0))
+"""Where viser's page has its camera before it knows of any other place, whichever way is up: its
+renderer's, and its own. The magnitudes, in order. [m]"""
 _FIELD = 1e-3
 """Fields of view that differ less are one. [rad]"""
 
@@ -163,6 +166,8 @@ class Cameras:
                 return
             # The latest, not what this call was made for: calls may overtake each other.
             position, target = client.camera.position, client.camera.look_at
+            if _is_unborn(position):
+                return
             newest = seat.placements[-1]
             arrived = newest.holds(position, target)
             went_back = not arrived and seat.opening.holds(position, target)
@@ -215,6 +220,12 @@ class Cameras:
         aspect = camera.image_width / max(camera.image_height, 1) or 1.0
         pose = None if seat.pose is None else seat.pose.shifted(mount.origin)
         return posed(mount.view(aspect), pose)
+
+
+def _is_unborn(position: Vector) -> bool:
+    """Whether a page tells of its camera before it has put it anywhere."""
+    magnitudes = np.sort(np.abs(position))
+    return any(np.allclose(magnitudes, place, rtol=0.0, atol=1e-4) for place in _UNBORN)
 
 
 def _moved(seat: _Seat, mount: Mount, running: bool) -> Pose:

@@ -92,7 +92,6 @@ def test_a_database_that_is_locked_delays_what_is_told_and_loses_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def open_database(settings: Settings) -> Database:
-        settings.data.mkdir(parents=True)
         return Database(settings.database_url, busy_seconds=BUSY_SECONDS)
 
     monkeypatch.setattr("server.app.open_database", open_database)

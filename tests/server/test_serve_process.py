@@ -50,13 +50,13 @@ def answers(address: str) -> bool:
 
 
 def submit(address: str, study: dict[str, Any]) -> str:
-    answer = httpx.post(f"{address}/api/v1/jobs", json={"study": study})
+    answer = httpx.post(f"{address}/api/v1/jobs", json={"study": study}, timeout=60)
     assert answer.status_code == 202, answer.text
     return answer.json()["id"]
 
 
 def job(address: str, number: str) -> dict[str, Any]:
-    return httpx.get(f"{address}/api/v1/jobs/{number}").json()
+    return httpx.get(f"{address}/api/v1/jobs/{number}", timeout=60).json()
 
 
 def long_study() -> dict[str, Any]:

@@ -126,9 +126,9 @@ def test_a_replay_is_served_as_an_attachment() -> None:
         disposition = answer.headers["content-disposition"]
         assert disposition == 'attachment; filename="replay-beam.html"'
         assert len(decks(answer.content)) == 11
-        refused = httpx.get(where, params={"colour": "peak"})
+        refused = httpx.get(where, params={"colour": "peak"}, timeout=60)
         assert [error["pointer"] for error in refused.json()["errors"]] == ["colour"]
-        assert httpx.get(where, params={"from": "x"}).status_code == 422
+        assert httpx.get(where, params={"from": "x"}, timeout=60).status_code == 422
 
 
 def test_only_so_many_replays_wait(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -87,7 +87,7 @@ def test_viser_s_port_refuses_everyone_without_the_secret(
         open_directly(port, headers)
     assert refused.value.response.status_code == 403
     sent = {name: value.encode("utf-8") for name, value in headers.items()}
-    page = httpx.get(f"http://127.0.0.1:{port}/", headers=sent)
+    page = httpx.get(f"http://127.0.0.1:{port}/", headers=sent, timeout=60)
     assert page.status_code == 403
     assert page.content == b""
 

@@ -163,7 +163,7 @@ def test_a_still_is_served_and_drawn_where_the_server_says() -> None:
     app.include_router(router(runs.__getitem__, draw=draw))
     with served(app) as address:
         where = f"http://{address}/api/v1/runs/beam/viewer/still.png"
-        answer = httpx.get(where, params={"time": 0.12, "width": 320, "height": 200})
+        answer = httpx.get(where, params={"time": 0.12, "width": 320, "height": 200}, timeout=60)
         assert answer.headers["content-type"] == "image/png"
         assert opened(answer.content).shape == (200, 320, 3)
         assert drawn[0].caption.startswith("t = 0.120 s")
@@ -177,10 +177,10 @@ def test_a_still_is_served_and_drawn_where_the_server_says() -> None:
             ({"camera": "behind"}, "camera"),
             ({"mode": "1"}, "mode"),
         ):
-            refused = httpx.get(where, params=bad)
+            refused = httpx.get(where, params=bad, timeout=60)
             assert refused.status_code == 422, bad
             assert refused.headers["content-type"] == MEDIA_TYPE
             assert [error["pointer"] for error in refused.json()["errors"]] == [at]
         modes = f"http://{address}/api/v1/runs/modes/viewer/still.png"
-        assert httpx.get(modes, params={"mode": 2, "width": 200}).status_code == 200
+        assert httpx.get(modes, params={"mode": 2, "width": 200}, timeout=60).status_code == 200
         assert drawn[-1].caption.startswith("mode 3 of 3: 45 Hz, bending 3")
