@@ -61,6 +61,9 @@ __all__ = ["StartError", "create_app", "serve_until_stopped"]
 
 _GRACE_SECONDS = 3
 """Time for open requests when the server stops. [s]"""
+_KEEP_ALIVE_SECONDS = 75
+"""Longer than clients and proxies keep an idle connection (httpx 5 s, nginx 60 s): who closes first
+must be they, or a request meets a connection that is just being closed. [s]"""
 _BACKLOG = 2048
 """Connections that wait for the server to start, as uvicorn takes them later."""
 _LARGEST_MESSAGE = 64 * 1024 * 1024
@@ -252,6 +255,7 @@ def serve_until_stopped(settings: Settings) -> None:
         log_level="warning",
         server_header=False,
         timeout_graceful_shutdown=_GRACE_SECONDS,
+        timeout_keep_alive=_KEEP_ALIVE_SECONDS,
         ws_per_message_deflate=False,
         ws_max_size=_LARGEST_MESSAGE,
     )

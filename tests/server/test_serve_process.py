@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Generator
 from contextlib import contextmanager
+from http.client import HTTPConnection
 from pathlib import Path
 from typing import Any
 
@@ -92,6 +93,20 @@ def test_it_stops_at_once_with_streams_open_and_runs_computing(tmp_path: Path) -
             for thread in threads:
                 thread.join(5)
             assert surviving(children, 1.0) == []
+
+
+@pytest.mark.slow
+def test_an_idle_connection_outlives_what_clients_keep(tmp_path: Path) -> None:
+    """A server that closes first answers a request now and then with a closed connection."""
+    with server_process(tmp_path) as (_, address):
+        connection = HTTPConnection(address.removeprefix("http://"), timeout=60)
+        for idle in (0.0, 6.0):  # httpx keeps one for 5 s, uvicorn as it comes too
+            time.sleep(idle)
+            connection.request("GET", "/api/v1/health")
+            answer = connection.getresponse()
+            assert answer.status == 200
+            answer.read()
+        connection.close()
 
 
 @pytest.mark.slow
