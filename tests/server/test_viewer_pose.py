@@ -1,4 +1,7 @@
-"""The camera's pose: what a hand made of it is told, what is asked for is shown, and no more."""
+"""The camera's pose: what a hand made of it is told, what is asked for is shown, and no more.
+
+Slow are those that wait until nothing more is sent.
+"""
 
 from __future__ import annotations
 
@@ -144,6 +147,7 @@ def view(address: str) -> Iterator[View]:
     http.delete(view.resource)
 
 
+@pytest.mark.slow
 def test_a_preset_is_no_pose(view: View) -> None:
     with view.page() as page:
         for preset in ("side", "section", "follow", "overview"):
@@ -178,6 +182,7 @@ def test_a_pose_that_is_asked_for_moves_the_cameras_once(view: View) -> None:
         assert view.pose == {**POSE, "fov": None}, "it does not drift with its answers"
 
 
+@pytest.mark.slow
 def test_what_is_told_of_before_does_not_undo_what_was_asked(view: View) -> None:
     """A camera that still glides tells of it until it has heard where it should be."""
     with view.page() as page:
@@ -190,6 +195,7 @@ def test_what_is_told_of_before_does_not_undo_what_was_asked(view: View) -> None
         until(lambda: view.pose is None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [{"camera": "overview"}, {"pose": None}])
 def test_a_preset_takes_the_pose_back_even_the_same_again(
     view: View, change: dict[str, object]
@@ -206,6 +212,7 @@ def test_a_preset_takes_the_pose_back_even_the_same_again(
         assert view.pose is None
 
 
+@pytest.mark.slow
 def test_a_new_client_begins_where_the_last_one_looked_from(view: View) -> None:
     view.put(camera="section", pose=FARTHER)
     with view.page() as page:
@@ -219,6 +226,7 @@ def test_a_new_client_begins_where_the_last_one_looked_from(view: View) -> None:
         assert view.pose == {**POSE, "fov": None}
 
 
+@pytest.mark.slow
 def test_a_page_that_takes_up_its_first_place_late_is_sent_on(view: View) -> None:
     """viser's page does so where it is slow to open; nobody has moved its camera there."""
     view.put(camera="side", pose=FARTHER)
@@ -237,6 +245,7 @@ def test_a_page_that_takes_up_its_first_place_late_is_sent_on(view: View) -> Non
         assert page.sent - before <= 6, "not for ever: twice, and three words each time"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("eye", [(-5.0, 0.0, -8e-16), (-3.0, -3.0, 3.0)])
 def test_where_a_page_is_before_it_knows_of_any_place_is_no_pose(
     view: View, eye: tuple[float, ...]
@@ -258,6 +267,7 @@ def test_where_a_page_is_before_it_knows_of_any_place_is_no_pose(
         until(lambda: view.pose == {**POSE, "fov": None})
 
 
+@pytest.mark.slow
 def test_the_client_that_moved_last_is_told(view: View) -> None:
     with view.page() as page, view.page() as other:
         page.look(EYE, AIM)
@@ -268,6 +278,7 @@ def test_the_client_that_moved_last_is_told(view: View) -> None:
         until(lambda: view.pose is None)
 
 
+@pytest.mark.slow
 def test_a_free_camera_says_where_it_is_and_how_wide_it_sees(view: View) -> None:
     """No preset says it: a link with ``free`` alone would show another picture."""
     with view.page() as page:
@@ -286,6 +297,7 @@ def test_a_free_camera_says_where_it_is_and_how_wide_it_sees(view: View) -> None
     http.delete(other.resource)
 
 
+@pytest.mark.slow
 def test_a_camera_that_follows_keeps_its_place_beside_the_train(view: View) -> None:
     """Also one that was shifted; and an address's pose counts from the address's time."""
     here = {"position": [3.0, -6.0, 4.0], "look_at": [-2.5, 0.5, 1.0]}
@@ -313,6 +325,7 @@ def test_a_camera_that_follows_keeps_its_place_beside_the_train(view: View) -> N
     http.delete(other.resource)
 
 
+@pytest.mark.slow
 def test_while_the_train_runs_the_camera_is_never_taken_for_moved(view: View) -> None:
     """What the page tells is of a moment before: it must not be left behind."""
     with view.page() as page:
@@ -330,6 +343,7 @@ def test_while_the_train_runs_the_camera_is_never_taken_for_moved(view: View) ->
         assert view.pose is None
 
 
+@pytest.mark.slow
 def test_another_run_is_seen_from_the_same_place(view: View) -> None:
     with view.page() as page:
         page.look(EYE, AIM)
@@ -341,6 +355,7 @@ def test_another_run_is_seen_from_the_same_place(view: View) -> None:
         assert page.sent == before, "it is there already"
 
 
+@pytest.mark.slow
 def test_a_place_beside_a_train_is_none_beside_a_mode(view: View) -> None:
     with view.page() as page:
         view.put(camera="follow", time=0.5, pose={**POSE, "time": 0.0})
