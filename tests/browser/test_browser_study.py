@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from tests.browser.spreadsheet import PASTE
 from tests.browser.waiting import DONE_MS, drawn_again, until
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
@@ -27,12 +28,6 @@ POINTERS = """
 [...document.querySelectorAll("tb-study-form [data-pointer]")].map((item) => item.dataset.pointer)
 """
 KHST_CONSIST = "power_car, motorised_trailer, 16 × passenger_car, motorised_trailer, power_car"
-PASTE = """(element, text) => {
-  const data = new DataTransfer();
-  data.setData("text/plain", text);
-  const options = { clipboardData: data, bubbles: true, cancelable: true };
-  element.dispatchEvent(new ClipboardEvent("paste", options));
-}"""
 
 
 def _open(page: Any, address: str) -> None:
