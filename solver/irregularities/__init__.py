@@ -91,12 +91,8 @@ def describe(properties: Irregularity) -> str:
 def _measured(profile: MeasuredProfile) -> str:
     x, heights = profile.positions, abs(profile.elevations).max(axis=1)
     left, right = (f"{1e3 * height:.3g}" for height in heights)
-    rail = (
-        "either rail"
-        if left == right
-        else "the left rail"
-        if heights[0] > heights[1]
-        else ("the right rail")
-    )
+    rail = "the left rail" if heights[0] > heights[1] else "the right rail"
+    if left == right:
+        rail = "either rail"
     most = f"at most {1e3 * heights.max():.3g} mm on {rail}" if heights.any() else "all zero"
     return f"measured profile of {x.size} samples, x = {x[0]:.1f} to {x[-1]:.1f} m, {most}"

@@ -13,7 +13,7 @@ from annotated_types import Ge, Gt, Le, Len
 from solver.arrays import Matrix, Vector
 from solver.errors import InputError
 from solver.models.train_assembly import RigidBodyAssembly, side_height_row
-from solver.models.train_model import GRAVITY, LEFT, RIGHT, Body, TrainModel
+from solver.models.train_model import GRAVITY, LEFT, RIGHT, WHEEL_RADIUS, Body, TrainModel
 from solver.units import Units
 
 __all__ = ["Axle", "AxleTable", "axle_table_errors", "axle_table_train"]
@@ -131,7 +131,6 @@ def axle_table_errors(properties: AxleTable) -> Iterator[InputError]:
 # computation reads them.
 _BOX_LENGTH, _BOX_HEIGHT, _BOX_BASE = 1.2, 0.8, 1.2
 _BOX_WIDTH = {1: 1.2, 2: 2.0}
-_DRAWN_WHEEL_RADIUS = 0.46
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -199,7 +198,7 @@ def axle_table_train(properties: AxleTable, rail_count: Literal[1, 2] = 1) -> Tr
         wheel_rail=np.tile(np.array(own.rails, dtype=np.int64), count),
         wheel_lateral=np.tile(own.lateral, count),
         wheel_names=tuple(f"wheel {i:02d}{side}" for i in numbers for side in own.sides),
-        wheel_radius=_DRAWN_WHEEL_RADIUS,
+        wheel_radius=WHEEL_RADIUS,
         axle_offsets=properties.offsets,
         bodies=tuple(bodies),
         dof_names=tuple(
@@ -254,8 +253,8 @@ def _bodies(
     )  # fmt: skip
     wheelset = Body(
         name=f"wheelset {index + 1:02d}", kind="wheelset", mass=axle.unsprung_mass, offset=offset,
-        drawn_offset=offset, length=2 * _DRAWN_WHEEL_RADIUS,
-        width=properties.wheel_lateral_distance, height=2 * _DRAWN_WHEEL_RADIUS, base_height=0.0,
+        drawn_offset=offset, length=2 * WHEEL_RADIUS,
+        width=properties.wheel_lateral_distance, height=2 * WHEEL_RADIUS, base_height=0.0,
         rows=rows[1],
     )  # fmt: skip
     return [mass, wheelset] if axle.unsprung_mass > 0.0 else [mass]

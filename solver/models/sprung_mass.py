@@ -9,7 +9,7 @@ import numpy as np
 from annotated_types import Ge, Gt, Le, Len
 
 from solver.models.train_assembly import RigidBodyAssembly
-from solver.models.train_model import LEFT, Body, TrainModel
+from solver.models.train_model import LEFT, WHEEL_RADIUS, Body, TrainModel
 from solver.units import Units
 
 __all__ = ["SprungMasses", "sprung_mass_train"]
@@ -48,7 +48,6 @@ class SprungMasses:
 
 # The box that stands for a mass in the viewer; no computation reads it.
 _BOX = {"length": 2.0, "width": 2.0, "height": 1.2, "base_height": 1.0}
-_DRAWN_WHEEL_RADIUS = 0.46
 
 
 def sprung_mass_train(properties: SprungMasses) -> TrainModel:
@@ -93,7 +92,7 @@ def sprung_mass_train(properties: SprungMasses) -> TrainModel:
         wheel_rail=np.full(count, LEFT, dtype=np.int64),
         wheel_lateral=np.zeros(count),
         wheel_names=tuple(f"wheel {i + 1:02d}" for i in range(count)),
-        wheel_radius=_DRAWN_WHEEL_RADIUS,
+        wheel_radius=WHEEL_RADIUS,
         axle_offsets=offsets.copy(),
         bodies=tuple(bodies),
         dof_names=tuple(

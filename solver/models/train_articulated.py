@@ -15,13 +15,10 @@ from solver.arrays import Matrix, Vector
 from solver.models.train_assembly import RigidBodyAssembly, end_height_row, side_height_row
 from solver.models.train_drawing import draw_bogie, draw_carbody, draw_wheelset
 from solver.models.train_layout import BogiePlace, CarPlace, TrainLayout, lay_out
-from solver.models.train_model import LEFT, RIGHT, Body, TrainModel
+from solver.models.train_model import LEFT, RIGHT, WHEEL_RADIUS, Body, TrainModel
 from solver.models.train_properties import ArticulatedTrain
 
 __all__ = ["articulated_train"]
-
-WHEEL_RADIUS = 0.46
-"""Nominal rolling radius of the KHST's wheels (thesis 6.2.2); serves drawing only. [m]"""
 
 _SIDES = (0.5, -0.5)
 

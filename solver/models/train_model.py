@@ -12,10 +12,13 @@ import numpy as np
 
 from solver.arrays import IntVector, Matrix, Vector
 
-__all__ = ["GRAVITY", "LEFT", "RIGHT", "Body", "BodyKind", "TrainModel"]
+__all__ = ["GRAVITY", "LEFT", "RIGHT", "WHEEL_RADIUS", "Body", "BodyKind", "TrainModel"]
 
 GRAVITY = 9.81
 """Acceleration of gravity. [m/s2]"""
+WHEEL_RADIUS = 0.46
+"""Nominal rolling radius of the KHST's wheels (Neves 2016, section 6.2.2); others are drawn with
+it too. [m]"""
 LEFT, RIGHT = 0, 1
 """Index of the left rail (y > 0) and of the right rail (y < 0)."""
 

@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 import annotated_types as bounds
 
+from solver.errors import InputError
 from solver.units import Unit
 
 __all__ = ["Finding", "violations"]
@@ -37,6 +38,12 @@ class Finding:
     value: Any
     reason: str
     remedy: str
+
+    @classmethod
+    def of(cls, error: InputError) -> Finding:
+        """What a model itself refuses, at the place in the study that it names."""
+        path = tuple(int(part) if part.isdigit() else part for part in error.field.split("."))
+        return cls(path=path, value=error.value, reason=error.reason, remedy=error.remedy)
 
 
 @lru_cache(maxsize=256)

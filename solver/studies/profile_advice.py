@@ -9,6 +9,7 @@ import numpy as np
 from solver.arrays import Vector
 from solver.irregularities import MeasuredProfile, SampledProfile
 from solver.models.beam_bridge import BeamBridge
+from solver.models.train_model import WHEEL_RADIUS
 from solver.studies.bounds import Finding
 from solver.studies.rules import rounded_down
 from solver.studies.study import Study
@@ -21,8 +22,6 @@ _LOOKED_AT = 30.0
 """The least cut-off of a deck's acceleration (EN 1990:2002/A1 A2.4.4.2.1(4)). [Hz]"""
 _EVENEST = 0.05e-3
 """Lower profiles are under what track recording cars resolve. [m]"""
-_WHEEL_RADIUS = 0.46
-"""Nominal rolling radius (Neves 2016, section 6.2.2). [m]"""
 _FADE_BEND = 10.0 / 3.0**0.5
 """Greatest curvature of the fall S(t) = 1 - 10 t^3 + 15 t^4 - 6 t^5, at t = (3 - sqrt 3) / 6."""
 
@@ -115,14 +114,14 @@ def _dips(measured: MeasuredProfile) -> Iterator[Finding]:
     """Where a rail is hollower than a wheel is round, the wheel bridges it."""
     for name, bends in zip(("left", "right"), _curvatures(measured), strict=True):
         worst = int(np.argmax(bends))
-        if bends[worst] > 1.0 / _WHEEL_RADIUS:
+        if bends[worst] > 1.0 / WHEEL_RADIUS:
             sample = measured.samples[worst]
             yield Finding(
                 path=("irregularity", "samples", worst, name),
                 value=getattr(sample, name),
                 reason=(
                     f"lies in a dip of radius {1e3 / bends[worst]:.3g} mm at "
-                    f"x = {sample.position:.2f} m: a wheel of {1e3 * _WHEEL_RADIUS:g} mm bridges it"
+                    f"x = {sample.position:.2f} m: a wheel of {1e3 * WHEEL_RADIUS:g} mm bridges it"
                 ),
                 remedy="Correct the sample, or filter the profile to longer waves.",
             )

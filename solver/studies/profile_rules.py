@@ -22,14 +22,7 @@ def sample_order(measured: MeasuredProfile) -> Iterator[Finding]:
     Args:
         measured: The profile, its values within their bounds.
     """
-    for error in disorder([sample.position for sample in measured.samples]):
-        _, samples, row, field = error.field.split(".")
-        yield Finding(
-            path=("irregularity", samples, int(row), field),
-            value=error.value,
-            reason=error.reason,
-            remedy=error.remedy,
-        )
+    yield from map(Finding.of, disorder([sample.position for sample in measured.samples]))
 
 
 def sample_order_of(study: Study) -> Iterator[Finding]:

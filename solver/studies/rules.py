@@ -91,7 +91,7 @@ def _deck(study: Study) -> Iterator[Finding]:
 def _train_layout(study: Study) -> Iterator[Finding]:
     """What the train's model itself refuses: an unknown car, axles that are not in order."""
     if isinstance(study.train, AxleTable):
-        yield from map(_as_finding, axle_table_errors(study.train))
+        yield from map(Finding.of, axle_table_errors(study.train))
     else:
         yield from _refusal(lambda: train_length(study))
 
@@ -107,12 +107,7 @@ def _refusal(build: Callable[[], object]) -> Iterator[Finding]:
     try:
         build()
     except InputError as error:
-        yield _as_finding(error)
-
-
-def _as_finding(error: InputError) -> Finding:
-    path = tuple(int(part) if part.isdigit() else part for part in error.field.split("."))
-    return Finding(path=path, value=error.value, reason=error.reason, remedy=error.remedy)
+        yield Finding.of(error)
 
 
 def _slow(study: Study) -> Iterator[Finding]:
