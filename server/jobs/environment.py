@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import os
 
-__all__ = ["SINGLE_THREAD", "single_threaded"]
+__all__ = ["FORKSERVER_OF", "SINGLE_THREAD", "single_threaded"]
 
+FORKSERVER_OF = "TRAINBRIDGE_FORKSERVER_OF"
+"""Variable that tells a forkserver the number of its server's process: by the time that it could
+ask the system for its parent, that one may be gone already."""
 SINGLE_THREAD = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",

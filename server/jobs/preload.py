@@ -12,17 +12,21 @@ import signal
 from contextlib import suppress
 from importlib import import_module
 
+from server.jobs.environment import FORKSERVER_OF
+
 _LOOK_SECONDS = 0.1
 """How often the forkserver looks for its server while it loads. [s]"""
-_server = os.getppid()
+_server = int(os.environ.get(FORKSERVER_OF, os.getppid()))
 
 
-def _end_without_server(number: int, frame: object) -> None:
-    """Loading takes a second or more: a server that dies meanwhile is not outlived."""
+def _end_without_server(*_: object) -> None:
+    """Loading takes a second or more: a server that dies meanwhile, or has died before, is not
+    outlived."""
     if os.getppid() != _server:
         os._exit(0)
 
 
+_end_without_server()
 signal.signal(signal.SIGALRM, _end_without_server)
 signal.siginterrupt(signal.SIGALRM, False)
 signal.setitimer(signal.ITIMER_REAL, _LOOK_SECONDS, _LOOK_SECONDS)

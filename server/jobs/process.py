@@ -22,7 +22,7 @@ from typing import Any
 
 import psutil
 
-from server.jobs.environment import SINGLE_THREAD, single_threaded
+from server.jobs.environment import FORKSERVER_OF, SINGLE_THREAD
 from server.jobs.orders import Commands, Order
 
 __all__ = [
@@ -268,9 +268,10 @@ def _ensure_forkserver() -> None:
     """Starts the forkserver with the children's environment, leaving this process's as it is."""
     from multiprocessing.forkserver import ensure_running
 
+    given = {**SINGLE_THREAD, FORKSERVER_OF: str(os.getpid())}
     with _start:
-        before = {name: os.environ.get(name) for name in SINGLE_THREAD}
-        single_threaded()
+        before = {name: os.environ.get(name) for name in given}
+        os.environ.update(given)
         try:
             ensure_running()
         finally:

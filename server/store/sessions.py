@@ -6,7 +6,9 @@ statement on: what it reads stays true until it commits. SQLite gives that by ``
 PostgreSQL by an advisory lock of the transaction. Writers are few (a coordinator and some web
 processes) and short, so that waiting costs less than finding out which rows two of them share; and
 numbers of events are committed in their order, so that a reader who remembers the last one that it
-saw misses none. Nobody waits for ever: after ``busy_seconds`` SQLAlchemy's ``OperationalError``.
+saw misses none. A transaction that only reads sees one moment, whatever is written meanwhile:
+SQLite gives that anyway, PostgreSQL where it is asked for. Nobody waits for ever: after
+``busy_seconds`` SQLAlchemy's ``OperationalError``.
 """
 
 from __future__ import annotations
@@ -34,6 +36,8 @@ _LOOK_SECONDS = 0.005
 """Time between two looks at a file that another one changes. [s]"""
 _IDLE_SECONDS = 30
 """After this a transaction whose client went silent is ended, and its locks with it. [s]"""
+_ONE_MOMENT: dict[str, Any] = {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
+"""Of a transaction that reads: PostgreSQL's own choice looks anew for each statement."""
 _MOST = 40
 """Connections beyond the five that are kept: as many as a server has threads that may wait."""
 
@@ -48,6 +52,8 @@ class Sessions:
     def __init__(self, engine: Engine, clock: Callable[[], float] = time.time) -> None:
         """Takes an engine of ``open_engine``."""
         self._engine = engine
+        postgresql = engine.dialect.name == "postgresql"
+        self._reading = engine.execution_options(**_ONE_MOMENT) if postgresql else engine
         self._clock = clock
 
     @property
@@ -70,8 +76,8 @@ class Sessions:
 
     @contextmanager
     def _read(self) -> Generator[Session]:
-        """One transaction that only reads."""
-        with Session(self._engine, expire_on_commit=False) as session:
+        """One transaction that only reads: all its statements see the same moment."""
+        with Session(self._reading, expire_on_commit=False) as session:
             yield session
 
 

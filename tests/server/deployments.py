@@ -26,6 +26,9 @@ ROOT = Path(__file__).parents[2]
 CHECKPOINT_SECONDS = 0.3
 """Time between two checkpoints. [s]"""
 
+_AT_ONCE = 10.0
+"""A process that ends by itself is gone within a moment; on a busy machine moments are long. [s]"""
+
 _SHORT_INTERVALS = {
     "CHECKPOINT_SECONDS": str(CHECKPOINT_SECONDS),
     "CONCURRENT_BATCHES": "2",
@@ -231,7 +234,7 @@ def deployed(
         deployment.end()
 
 
-def surviving(processes: list[psutil.Process], seconds: float) -> list[psutil.Process]:
+def surviving(processes: list[psutil.Process], seconds: float = _AT_ONCE) -> list[psutil.Process]:
     """Those that still run then; a dead orphan may wait for its new parent to take note of it."""
     limit = time.monotonic() + seconds
     while (alive := [item for item in processes if _runs(item)]) and time.monotonic() < limit:

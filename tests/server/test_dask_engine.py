@@ -165,7 +165,7 @@ def test_kill_worker(cluster: Cluster, tmp_path: Path) -> None:
     assert events(hear(engine, ended(1))) == {"lost-1": "lose"}
     # Long before the scheduler itself would give a silent worker up.
     assert time.monotonic() - killed < 15.0
-    until(lambda: gone(process), 1.0)
+    until(lambda: gone(process))
     (tmp_path / "go").touch()
     assert events(hear(engine, ended(1))) == {"kept-1": "finish"}
 
@@ -207,7 +207,7 @@ def test_restart(cluster: Cluster, tmp_path: Path) -> None:
     finally:
         coordinator.end()
     if not cluster.external:
-        until(lambda: gone(process) and gone(worker), 1.0)
+        until(lambda: gone(process) and gone(worker))
         assert cluster.engine.reattach([going, never]) == set()
         return
     engine = engine_of(mine)
@@ -263,7 +263,7 @@ def test_task_that_nobody_asks_for_ends(cluster: Cluster, tmp_path: Path) -> Non
     second.start()
     assert second.reattach([]) == set()
     second.reports(0.0)
-    until(lambda: gone(process), 3.0)
+    until(lambda: gone(process))
     second.stop()
 
 

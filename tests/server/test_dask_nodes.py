@@ -15,6 +15,7 @@ import pytest
 from server.jobs import dask_slots
 from server.jobs.dask_nodes import run_scheduler, run_worker
 from server.jobs.engine import EngineError
+from server.settings import Settings
 from tests.server import dask_batches
 from tests.server.dask_case import (
     ROOT,
@@ -87,7 +88,7 @@ def test_scheduler_that_is_killed(tmp_path: Path) -> None:
         for call in (engine.free_slots, lambda: engine.run(order), lambda: engine.reattach([])):
             with pytest.raises(EngineError):
                 call()
-        until(lambda: gone(process), 3.0)
+        until(lambda: gone(process))
         port = int(settings.engine.rpartition(":")[2])
         nodes[0] = Node(run_scheduler, settings, host="127.0.0.1", port=port)
         nodes[0].ready()
@@ -110,7 +111,7 @@ def test_scheduler_that_stays_away(tmp_path: Path) -> None:
     began = time.monotonic()
     with pytest.raises(EngineError, match=r"does not answer .* Start it"):
         engine_of(settings).start()
-    assert time.monotonic() - began < 3.0
+    assert time.monotonic() - began < Settings.engine_seconds
     errors = worker.wait()
     assert worker.process.returncode == 1
     assert f"The scheduler {url} stays away" in errors

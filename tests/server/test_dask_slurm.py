@@ -89,7 +89,7 @@ def test_jobs_come_and_are_topped_up(jobs: Path, tmp_path: Path) -> None:
     with dask.config.set({"jobqueue.slurm.scheduler-options": {"host": "127.0.0.1"}}):
         engine.start()
     try:
-        until(lambda: engine.free_slots() == 2, 30.0)
+        until(lambda: engine.free_slots() == 2)
         script = next(jobs.glob("script-*")).read_text()
         for line in ("-p bridges", "--mem=2G", "-t 24:00:00", "--tls-key"):
             assert line in script
@@ -100,7 +100,7 @@ def test_jobs_come_and_are_topped_up(jobs: Path, tmp_path: Path) -> None:
         os.killpg(first, signal.SIGKILL)
         lost = events(hear(engine, ended(1)))
         assert list(lost.values()) == ["lose"]
-        until(lambda: engine.free_slots() == 1, 30.0)
+        until(lambda: engine.free_slots() == 1)
         [third] = set(_numbers(jobs)) - {first, second}
         assert not gone(third)
         [key] = lost
@@ -110,7 +110,7 @@ def test_jobs_come_and_are_topped_up(jobs: Path, tmp_path: Path) -> None:
         engine.stop()
     assert list(events(engine.reports(0.0)).values()) == ["stop"]
     assert sorted(_numbers(jobs)) == sorted([first, second, third])
-    until(lambda: gone(second) and gone(third), 5.0)
+    until(lambda: gone(second) and gone(third))
     assert stat.S_IMODE((tmp_path / "data" / "slurm" / "key.pem").stat().st_mode) == 0o600
 
 

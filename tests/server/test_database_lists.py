@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from sqlalchemy import event
 
 from server.store import (
     Database,
@@ -128,6 +129,25 @@ def test_the_place_in_the_queue_and_the_steps_before_it(database: Database) -> N
     # A run that computes goes on, even where the job's others wait behind this one.
     database.set_priority(running.id, -5)
     assert database.steps_before(job) == 1070
+
+
+def test_what_is_read_together_is_of_one_moment(
+    database: Database, migrated_url: str, open_database: Callable[..., Database]
+) -> None:
+    """A job that begins while the steps before another one are counted: it is still waiting."""
+    add(database, runs=2, steps=200)
+    job, coordinator = add(database, steps=50), open_database(migrated_url)
+    left = iter(range(2))
+
+    def begin_meanwhile(*_: Any) -> None:
+        if next(left, None) == 1:  # The jobs that have begun were looked for; their runs come next.
+            start(coordinator, coordinator.queued_batches(1)[0])
+
+    event.listen(database.engine, "after_cursor_execute", begin_meanwhile)
+    assert database.steps_before(job) == 200
+    assert next(left, None) is None
+    assert database.steps_before(job) == 200
+    assert database.runs(database.jobs()[1].id)[0].state == "running"
 
 
 def test_the_log_of_a_job_is_its_newest_lines_in_order(database: Database) -> None:

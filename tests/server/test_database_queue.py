@@ -147,7 +147,7 @@ def test_the_last_runs_end_at_once_and_one_gather_follows(
         for thread in threads:
             thread.start()
         for thread in threads:
-            thread.join(10)
+            thread.join(60)
         assert names(second.queued_batches(9)) == [(job.id, "gather")]
         gather = start(first, second.queued_batches(9)[0])
         assert second.change_batch(gather, values={"state": "done"}, runs={}, decide=decide)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import re
 import signal
-import time
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -162,10 +161,10 @@ def test_cancel(deployment: Deployment) -> None:
     process = begun(deployment, doomed)
     other = client.submit(beam_study()).id
     until(deployment.computing, lambda processes: len(processes) == 2)
-    asked = time.monotonic()
     client.cancel(doomed)
-    until(lambda: client.job(doomed).state, lambda state: state == "cancelled", 1.0)
-    assert surviving([process], asked + 3.0 - time.monotonic()) == []
+    # How soon is a row of the benchmarks.
+    until(lambda: client.job(doomed).state, lambda state: state == "cancelled")
+    assert surviving([process]) == []
     assert done(deployment, other).attempt == 1
     [run] = client.job(doomed).runs
     assert (run.state, run.attempt) == ("cancelled", 1)
@@ -179,7 +178,7 @@ def test_kill_worker(deployment: Deployment, undisturbed: RunReader) -> None:
     if deployment.engine != "local":  # There the server is the worker: see the restart.
         process = begun(deployment, job)
         deployment.kill_worker_of(process)
-        assert surviving([process], 1.0) == []
+        assert surviving([process]) == []
         attempt = 2
         assert attempt_of(deployment, job, attempt).deaths == 0
     begun(deployment, job).kill()
@@ -205,7 +204,7 @@ def test_restart(deployment: Deployment, undisturbed: RunReader) -> None:
     process = begun(deployment, job, step=3000)
     if goes_on:
         process.suspend()  # Else it has ended before the server is back.
-    assert surviving(deployment.kill_server(), 1.0) == []
+    assert surviving(deployment.kill_server()) == []
     assert surviving([process], 0.0) == ([process] if goes_on else [])
     deployment.start()
     done(deployment, deployment.client.submit(short_study()).id)
@@ -272,7 +271,7 @@ def test_a_whole_group_is_asked_to_end(tmp_path: Path, undisturbed: RunReader) -
         for process in group:
             process.terminate()
         deployment.server.end()
-        assert surviving(group, 1.0) == []
+        assert surviving(group) == []
         [batch] = deployment.batches(job)
         assert (batch.state, batch.deaths) == ("queued", 0)
         deployment.start()

@@ -94,7 +94,7 @@ class Campaign:
 
     def _kill(self, target: str, chance: random.Random) -> bool:
         if target == "server":
-            assert surviving(self.deployment.kill_server(), 1.0) == []
+            assert surviving(self.deployment.kill_server()) == []
             self.deployment.start()
             return True
         batches = self.deployment.computing()
@@ -107,7 +107,7 @@ class Campaign:
             below = coordinator.children(recursive=True)
             coordinator.kill()
             # Its server starts another one. What it had started ends with it.
-            assert surviving(below, 1.0) == []
+            assert surviving(below) == []
             return True
         try:
             batch = chance.choice(batches)

@@ -112,7 +112,7 @@ def test_a_database_that_is_away_ends_no_view(follow) -> None:
     sessions = follow(away)
     session = sessions.open("run", run, "light")
     with session.watched():
-        assert looked.wait(5.0)
+        assert looked.wait(60.0)
         sessions.change(session, time=0.3)
         assert not until(lambda: session.ended, 0.3)
 

@@ -152,19 +152,19 @@ def test_a_large_run_that_opens_holds_up_no_other_view(sessions: Sessions) -> No
     class Large(BeamRun):
         def slab_peaks(self) -> SlabPeaks | None:
             begun.set()
-            go_on.wait(10.0)
+            go_on.wait(60.0)
             return None
 
     first = sessions.open("run", RUN, "light")
     opening = threading.Thread(target=sessions.open, args=("large", Large(), "light"))
     opening.start()
-    assert begun.wait(5.0)
+    assert begun.wait(60.0)
     steered = threading.Thread(target=sessions.change, args=(first,), kwargs={"playing": True})
     steered.start()
-    steered.join(5.0)
+    steered.join(30.0)
     held_up = steered.is_alive()
     go_on.set()
-    opening.join(5.0)
+    opening.join(60.0)
     assert not held_up
     assert len(sessions) == 2
 
