@@ -31,8 +31,8 @@ _CONFIGURATION: dict[str, Any] = {
     "distributed.nanny.pre-spawn-environ": SINGLE_THREAD,
 }
 
-_START_SECONDS = 30.0
-"""Time that the workers of this machine may take to start. [s]"""
+_START_SECONDS = 120.0
+"""Time that the workers of this machine may take to start, busy as it may be. [s]"""
 
 
 class OwnCluster:

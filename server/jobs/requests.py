@@ -108,14 +108,12 @@ class Requested:
             self._engine.cancel(attempt.key)
 
     def _retry_job(self, job: str) -> None:
-        runs = self._database.runs_of([job])[job]
-        again = [run.id for run in runs if State(run.state) in ENDED - {State.DONE}]
-        self._database.requeue(job, again, decide=decide_job)
+        self._database.requeue(job, decide=decide_job)
 
     def _retry_run(self, run: str) -> None:
         record = self._database.run(run)
         if record is not None:
-            self._database.requeue(record.job, [run], decide=decide_job)
+            self._database.requeue(record.job, run, decide=decide_job)
 
     def _delete_job(self, job: str) -> None:
         """Files first: a crash between leaves a job to be deleted again, not files of nobody.

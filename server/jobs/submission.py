@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from threading import RLock
 from typing import Any, cast, get_args
 
 import psutil
@@ -23,6 +24,7 @@ from solver.studies import JobKind, Study
 
 __all__ = [
     "KINDS",
+    "READING_SOURCES",
     "Capacity",
     "Submission",
     "admit",
@@ -36,6 +38,9 @@ __all__ = [
 KINDS: tuple[JobKind, ...] = get_args(JobKind)
 """What a job can compute."""
 
+READING_SOURCES = RLock()
+"""Held while pydantic learns of the study's fields: it parses our sources for what stands beside
+them, and of two threads that parse at once Python 3.11 lets one fail (cpython 106905)."""
 _EVERY_DIGIT = 17
 """So many digits tell any two floating-point numbers apart."""
 
@@ -254,8 +259,13 @@ def _unusable(findings: Sequence[Finding]) -> Problem:
     return Problem(422, "The study cannot be used", detail, errors=findings)
 
 
-@cache
 def _adapter() -> TypeAdapter[Study]:
+    with READING_SOURCES:
+        return _made_adapter()
+
+
+@cache
+def _made_adapter() -> TypeAdapter[Study]:
     return TypeAdapter(Study)
 
 

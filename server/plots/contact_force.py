@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from server.plots.curves import Curve, channel_named, raw_curve
+from server.plots.curves import Curve, channel_named, few_on_one_path, raw_curve
 from server.plots.figure import Figure, compose, table_row, trace
 from server.plots.kind import FigureKind
 from server.plots.marks import horizontal_line, horizontal_note
@@ -27,12 +27,16 @@ SAME = 1e-4
 """Relative difference below which two curves cannot be told apart."""
 ALIKE = 0.02
 """Relative difference below which the wheels of a train are said to have one static load."""
+PULL = 1e-6
+"""Tension beyond rounding, as a part of the greatest compression."""
+NAMED = 3
+"""Wheels that are not drawn and named nevertheless; of more their number is said."""
 AIR = 0.12
 """Free height above and below the curves, as a part of theirs."""
 
 
 def contact_force(run: RunSource, request: FigureRequest) -> Figure:
-    """Contact forces of the first axle's wheels (of the first and last mass), or those asked for.
+    """Contact forces of the first axle's wheels (of the masses), or those asked for.
 
     Args:
         run: The run, finished or not.
@@ -50,7 +54,9 @@ def contact_force(run: RunSource, request: FigureRequest) -> Figure:
         curves = _joined(curves)
     shapes, notes = [horizontal_line(0.0, LIMIT, "solid")], []
     if curves:
-        note = horizontal_note(0.0, "0: contact lost", LIMIT)
+        pulled = any(_pulls(curve) for curve in curves)
+        words = "0: the contact pulls below" if pulled else "0: contact lost"
+        note = horizontal_note(0.0, words, LIMIT)
         notes.append({**note, "yanchor": "top"})
     statics = _static_loads(run, chosen)
     static = statics[0] if statics else None
@@ -66,7 +72,7 @@ def contact_force(run: RunSource, request: FigureRequest) -> Figure:
         value_title="contact force [kN]",
         traces=[*_curves(curves, request), *_losses(curves, request)],
         table=[{**table_row(curve), "contact_lost": time_lost(curve)} for curve in curves],
-        summary=_summary(run, curves),
+        summary=_summary(run, chosen, curves),
         shapes=shapes,
         annotations=notes,
         value_range=_value_range(curves, static),
@@ -76,6 +82,16 @@ def contact_force(run: RunSource, request: FigureRequest) -> Figure:
 
 def time_lost(curve: Curve) -> float:
     """Time in the window during which the wheel did not touch the rail. [s]"""
+    return 0.0 if _pulls(curve) else _time_without_compression(curve)
+
+
+def _pulls(curve: Curve) -> bool:
+    """Whether wheel and rail also hold each other: a contact that was chosen so is never lost."""
+    least, greatest = curve.minimum(), curve.maximum()
+    return bool(least and greatest and least.value < -PULL * abs(greatest.value))
+
+
+def _time_without_compression(curve: Curve) -> float:
     if curve.time.size < 2:
         return 0.0
     step = float(curve.time[1] - curve.time[0])
@@ -94,6 +110,8 @@ def _losses(curves: Sequence[Curve], request: FigureRequest) -> list[dict[str, A
     """A mark at the beginning of every loss of contact, as far as they can be told apart."""
     times: list[float] = []
     for curve in curves:
+        if _pulls(curve):
+            continue
         off = curve.values <= 0.0
         begins = np.flatnonzero(off & ~np.concatenate([[False], off[:-1]]))
         times += curve.time[begins].tolist()
@@ -119,8 +137,9 @@ def _chosen(run: RunSource, request: FigureRequest) -> Sequence[ChannelSpec]:
         return [channel_named(run, name) for name in request.channels]
     forces = [spec for spec in run.plan.channels if spec.name.endswith(QUANTITY)]
     first_axle = [spec for spec in forces if spec.name.startswith("wheel 01 ")]
-    # Masses on one path follow one another: the first and the last differ most.
-    return first_axle[:2] or [*forces[:1], *forces[1:][-1:]]
+    if first_axle[1:]:
+        return first_axle[:2]
+    return few_on_one_path(forces)
 
 
 def _joined(curves: list[Curve]) -> list[Curve]:
@@ -156,7 +175,7 @@ def _value_range(curves: Sequence[Curve], static: float | None) -> tuple[float, 
     return low - air, high + air
 
 
-def _summary(run: RunSource, curves: Sequence[Curve]) -> str:
+def _summary(run: RunSource, chosen: Sequence[ChannelSpec], curves: Sequence[Curve]) -> str:
     if run.committed == 0:
         return "No step has been computed yet."
     sentences: list[str] = []
@@ -164,15 +183,37 @@ def _summary(run: RunSource, curves: Sequence[Curve]) -> str:
         least, greatest = curve.minimum(), curve.maximum()
         if least is None or greatest is None:
             continue
-        lost = time_lost(curve)
-        state = f"contact lost for {lost * 1e3:.3g} ms" if lost > 0.0 else "always in contact"
         sentences.append(
             sentence(
                 f"{curve.name}: between {quantity(least.value, curve.unit)} and "
-                f"{quantity(greatest.value, curve.unit)}, {state}"
+                f"{quantity(greatest.value, curve.unit)}, {_state(curve)}"
             )
         )
+    if sentences:
+        sentences += _others(run, chosen, any(map(_pulls, curves)))
     return " ".join(sentences) or "No wheel is recorded."
+
+
+def _others(run: RunSource, chosen: Sequence[ChannelSpec], pull: bool) -> list[str]:
+    """What wheels do that are not drawn, where it is known; nothing where all press."""
+    peaks: Mapping[str, Mapping[str, float]] = (run.summary or {}).get("peaks", {})
+    drawn = {spec.name for spec in chosen}
+    names = [
+        name.removesuffix(QUANTITY)
+        for name, peak in peaks.items()
+        if name.endswith(QUANTITY) and name not in drawn and peak["least"] <= 0.0
+    ]
+    if not names:
+        return []
+    whose = ", ".join(names) if len(names) <= NAMED else f"{len(names)} more wheels"
+    return [sentence(f"Not drawn: {whose}, where {'it pulls' if pull else 'contact is lost'} too")]
+
+
+def _state(curve: Curve) -> str:
+    duration = f"{_time_without_compression(curve) * 1e3:.3g} ms"
+    if _pulls(curve):
+        return f"pulls for {duration}: this contact cannot be lost"
+    return f"contact lost for {duration}" if time_lost(curve) > 0.0 else "always in contact"
 
 
 def _has(run: RunSource) -> bool:

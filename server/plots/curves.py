@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,7 @@ __all__ = [
     "Curve",
     "Extreme",
     "channel_named",
+    "few_on_one_path",
     "filtered_curve",
     "filtered_history",
     "frame_curve",
@@ -25,6 +27,10 @@ __all__ = [
     "point_curve",
     "raw_curve",
 ]
+
+
+_FEW = 4
+"""Masses on one path of which all are drawn."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,6 +105,12 @@ def channel_named(run: RunSource, name: str) -> ChannelSpec:
     raise InputError(
         "channels", name[:80], "is no channel of this run", "The run's channels list the names."
     )
+
+
+def few_on_one_path(masses: Sequence[ChannelSpec]) -> Sequence[ChannelSpec]:
+    """All of a few masses that follow one another; of more the first and the last, which differ
+    most."""
+    return masses if len(masses) <= _FEW else [masses[0], masses[-1]]
 
 
 def raw_curve(

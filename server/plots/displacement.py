@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from server.plots.curves import Curve, channel_named, raw_curve
+from server.plots.curves import Curve, channel_named, few_on_one_path, raw_curve
 from server.plots.figure import Figure, compose, table_row, trace
 from server.plots.kind import FigureKind
 from server.plots.palette import line_style
@@ -16,7 +16,7 @@ from solver.results import ChannelSpec
 __all__ = ["KIND", "displacement"]
 
 QUANTITY = "/displacement"
-MAX_DEFAULT = 5
+MAX_DEFAULT = 6
 LEAST = 0.01
 """Smaller displacements are not stretched over the whole chart. [mm]"""
 
@@ -59,7 +59,8 @@ def _chosen(run: RunSource, request: FigureRequest) -> Sequence[ChannelSpec]:
     moves = [spec for spec in run.plan.channels if spec.name.endswith(QUANTITY)]
     deck = [spec for spec in moves if spec.group == "deck" and "rail" not in spec.name]
     masses = [spec for spec in moves if spec.name.startswith("mass ")]
-    return [*deck, *masses][:MAX_DEFAULT]
+    telling = few_on_one_path(masses)
+    return [*deck[: MAX_DEFAULT - len(telling)], *telling]
 
 
 def _summary(run: RunSource, curves: Sequence[Curve]) -> str:

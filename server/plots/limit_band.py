@@ -28,8 +28,11 @@ DECIDING = "deciding point"
 DECIDING_COLOR = CURVES[1]
 NEAR_LIMIT = 0.2
 """Part of the limit that a curve has to reach for the axis to reach as far as the limit."""
-AIR, CALLOUT = 0.06, 0.24
-"""Free height beside the curves, and beyond a peak that is named, as parts of the curves'."""
+AIR, ABOVE, BELOW = 0.06, 0.24, 0.45
+"""Free height beside the curves, and beyond a peak that is named, as parts of the curves'.
+
+Words above a peak may stand out over the axes; below one they would hide the axis' numbers.
+"""
 
 
 def limit_band(limit: float | None) -> list[dict[str, Any]]:
@@ -60,9 +63,14 @@ def limit_notes(limit: float | None) -> list[dict[str, Any]]:
 
 
 def peak_callout(
-    run: RunSource, judged: Sequence[Curve], limit: float | None, request: FigureRequest
+    run: RunSource,
+    judged: Sequence[Curve],
+    limit: float | None,
+    request: FigureRequest,
+    *,
+    placed: bool = True,
 ) -> list[dict[str, Any]]:
-    """Names the greatest value of the judged curves."""
+    """Names the greatest value of the judged curves; its place too, unless the title says it."""
     peaks = [(curve, curve.peak(run.plan.window_start)) for curve in judged]
     known = [(curve, peak) for curve, peak in peaks if peak is not None]
     if not known:
@@ -70,7 +78,8 @@ def peak_callout(
     curve, peak = max(known, key=lambda pair: abs(pair[1].value))
     size = beside(abs(peak.value), limit, curve.unit)
     place = curve.spec.name.rsplit("/", 1)[0]
-    words = f"{size}\n{place}\nt = {peak.time:.3f} s"
+    where = f"{place}\n" if placed else ""
+    words = f"{size}\n{where}t = {peak.time:.3f} s"
     start, stop = window(run.plan, request)
     color = DECIDING_COLOR if place.startswith(DECIDING) else CURVES[0]
     return [callout(peak, words, color, leftwards=peak.time > 0.5 * (start + stop))]
@@ -102,6 +111,6 @@ def room_for_callout(
     peaks = [peak.value for curve in judged if (peak := curve.peak(run.plan.window_start))]
     if peaks:
         top = max(peaks, key=abs)
-        low = min(low, top - CALLOUT * height) if top < 0.0 else low
-        high = max(high, top + CALLOUT * height) if top >= 0.0 else high
+        low = min(low, top - BELOW * height) if top < 0.0 else low
+        high = max(high, top + ABOVE * height) if top >= 0.0 else high
     return low, high

@@ -44,7 +44,10 @@ def point_acceleration(run: RunSource, request: FigureRequest) -> Figure:
         summary=_summary(run, found, judged, limit),
         shapes=limit_band(limit),
         value_range=room_for_callout(run, curves, judged, limit),
-        annotations=[*limit_notes(limit), *peak_callout(run, judged, limit, request)],
+        annotations=[
+            *limit_notes(limit),
+            *peak_callout(run, judged, limit, request, placed=False),
+        ],
         request=request,
     )
 

@@ -193,7 +193,11 @@ def _peak_note(run: RunSource, drawn: _Map, point: int) -> dict[str, Any]:
     spans = run.plan.geometry.spans
     size = beside(float(drawn.values[point]), drawn.limit, Units.acceleration)
     words = f"{size}\n{_place(x, y)}\nt = {drawn.times[point]:.3f} s"
-    return pointed(x, y, words, INK, leftwards=x > 0.5 * (spans.min() + spans.max()))
+    note = pointed(x, y, words, INK, leftwards=x > 0.5 * (spans.min() + spans.max()))
+    # Towards the middle of the slab: beyond its edge the words would hide the axis' title.
+    across = run.plan.slab.coordinates[:, 1]
+    upwards = y <= 0.5 * (across.min() + across.max())
+    return {**note, "ay": -abs(note["ay"]) if upwards else abs(note["ay"])}
 
 
 def _judged(run: RunSource) -> BoolVector:

@@ -95,11 +95,12 @@ def speed_sweep(sweep: Sweep, request: FigureRequest) -> Figure:
         shapes.append(horizontal_line(sweep.limit, LIMIT))
         notes.append(horizontal_note(sweep.limit, words, LIMIT))
     name = f"greatest |acceleration| {sweep.quantity}".strip()
+    middle = "mid-span" if sweep.limit is None else "judged mid-spans"
     traces = [
         _trace(points, name, lambda point: point.acceleration, Units.acceleration, 0, "y"),
         _trace(
             points,
-            "greatest |displacement| at mid-span",
+            f"greatest |displacement| at {middle}",
             lambda point: point.displacement,
             Units.small_length,
             1,

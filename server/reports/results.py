@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from server.plots.deciding import where
 from server.reports.document import Block, Bullets, Facts, Paragraph, Section, Table
 from server.reports.material import Material, RunMaterial
 from server.reports.words import number, percent, speed, unit_text
@@ -55,7 +56,7 @@ def _verdict(verdict: Mapping[str, Any]) -> list[Block]:
         ("Limit", f"{number(verdict['limit'], 3)} {unit}"),
         ("Value", f"{number(verdict['value'], 4)} {unit}"),
         ("Share of the limit", percent(verdict["value"] / verdict["limit"], 3)),
-        ("Where", f"x = {place['x']:.2f} m, y = {place['y']:.2f} m, {place['name']}"),
+        ("Where", f"{where(place)}, {place['name']}"),
         ("When", f"{verdict['time']:.3f} s"),
         ("Filter", str(verdict["filter"])),
         ("Cut-off", f"{number(verdict['cut_off'], 4)} Hz: {verdict['cut_off_origin']}"),

@@ -44,28 +44,49 @@ class DrawingProcess:
             raise _busy("Too many figures wait to be drawn.")
         self._waiting += 1
         try:
-            pool = self._open()
-            drawing = asyncio.get_running_loop().run_in_executor(pool, write, *arguments)
-            return await asyncio.wait_for(drawing, self._seconds)
-        except TimeoutError:
-            self.close()
-            raise _busy("The figure took too long to draw.") from None
-        except BrokenProcessPool:
-            self.close()
-            raise _busy("The drawing process ended unexpectedly.") from None
+            return await self._drawn(write, arguments)
         finally:
             self._waiting -= 1
 
+    async def _drawn(self, write: Callable[..., bytes], arguments: tuple[Any, ...]) -> bytes:
+        pool = self._open()
+        try:
+            drawing = pool.submit(write, *arguments)
+        except BrokenProcessPool:
+            # Its process ended while nobody drew.
+            pool = self._another(pool)
+            drawing = pool.submit(write, *arguments)
+        try:
+            return await asyncio.wait_for(asyncio.wrap_future(drawing), self._seconds)
+        except TimeoutError:
+            # One that only waited for its turn holds up nobody.
+            if not drawing.cancel():
+                self._end(pool)
+            raise _busy("The figure took too long to draw.") from None
+        except BrokenProcessPool:
+            self._end(pool)
+            raise _busy("The drawing process ended unexpectedly.") from None
+
     def close(self) -> None:
         """Ends the process; the next figure starts another."""
-        pool, self._pool = self._pool, None
-        if pool is None:
+        if self._pool is not None:
+            self._end(self._pool)
+
+    def _end(self, pool: ProcessPoolExecutor) -> None:
+        """Ends a process, unless another has taken its place: several figures may have waited."""
+        if pool is not self._pool:
             return
+        self._pool = None
         processes = list((pool._processes or {}).values())  # pyright: ignore[reportPrivateUsage]
-        pool.shutdown(wait=False, cancel_futures=True)
+        # Without cancelling what waits: a cancelled future would look as if its request were.
+        pool.shutdown(wait=False)
         # Waiting for a figure that takes too long is what we do not want.
         for process in processes:
             process.kill()
+
+    def _another(self, pool: ProcessPoolExecutor) -> ProcessPoolExecutor:
+        self._end(pool)
+        return self._open()
 
     def _open(self) -> ProcessPoolExecutor:
         if self._pool is None:

@@ -14,6 +14,7 @@ import json
 import logging
 import time
 from collections.abc import AsyncIterator, Iterable, Sequence
+from contextlib import suppress
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query
@@ -105,20 +106,21 @@ async def _stream(service: Service, jobs: Sequence[str], after: int | None) -> S
 async def _events(service: Service, jobs: Sequence[str], last: int) -> AsyncIterator[str]:
     """The stream's text: progress at once, snapshots of what it touched a few times a second."""
     rationed, told_all = _Snapshots(service, jobs), False
+    beat = time.monotonic() + service.settings.heartbeat_seconds
     try:
         async with service.changes.listen() as changed:
             yield "retry: 1000\n\n"
-            for text in await rationed.first(last):
+            if text := await rationed.first(last):
                 yield text
             while not service.changes.ended:
                 changed.clear()
                 events = await run_in_threadpool(service.database.events_after, last, jobs=jobs)
-                for event in events:
-                    last = event.id
-                    if event.kind == "progress":
-                        yield _progress(event)
+                last = events[-1].id if events else last
+                # In one piece: between pieces the loop cannot notice that the listener has left.
+                if text := "".join(map(_progress, events)):
+                    yield text
                 rationed.touch(event.job for event in events)
-                for text in await rationed.due(last):
+                if text := await rationed.due(last):
                     yield text
                 if events:
                     await asyncio.sleep(_PROGRESS_SECONDS)
@@ -126,9 +128,10 @@ async def _events(service: Service, jobs: Sequence[str], last: int) -> AsyncIter
                 if not told_all and not rationed.wait:
                     told_all = True
                     yield ": nothing more waits\n\n"
-                if not await _woken(changed, rationed.wait or service.settings.heartbeat_seconds):
-                    if rationed.wait:
-                        continue
+                await _woken(changed, rationed.wait or beat - time.monotonic())
+                # Also where other jobs' changes wake it all the time.
+                if not rationed.wait and time.monotonic() >= beat:
+                    beat = time.monotonic() + service.settings.heartbeat_seconds
                     yield f": {time.time():.0f}\n\n"
                     if jobs and not await run_in_threadpool(_exists, service, jobs):
                         return
@@ -155,24 +158,24 @@ class _Snapshots:
         """Notes jobs that changed."""
         self._touched |= dict.fromkeys(jobs)
 
-    async def first(self, last: int) -> list[str]:
+    async def first(self, last: int) -> str:
         """What a stream begins with."""
         return await self._told(self._jobs, last)
 
-    async def due(self, last: int) -> list[str]:
+    async def due(self, last: int) -> str:
         """Events of the jobs that changed, where it is time to tell them."""
         if not self._touched or time.monotonic() < self._next:
-            return []
+            return ""
         touched, self._touched = list(self._touched), {}
         return await self._told(touched, last)
 
-    async def _told(self, jobs: Sequence[str], last: int) -> list[str]:
+    async def _told(self, jobs: Sequence[str], last: int) -> str:
         begin = time.monotonic()
-        texts = await run_in_threadpool(_snapshots, self._service, jobs, last)
+        text = await run_in_threadpool(_snapshots, self._service, jobs, last)
         end = time.monotonic()
         # Jobs of many runs take long to write out: a tab must not keep the server busy.
         self._next = end + max(_SNAPSHOT_SECONDS, 4.0 * (end - begin))
-        return texts
+        return text
 
 
 def _exists(service: Service, jobs: Sequence[str]) -> bool:
@@ -180,17 +183,21 @@ def _exists(service: Service, jobs: Sequence[str]) -> bool:
     return any(service.database.job(job) is not None for job in jobs)
 
 
-def _snapshots(service: Service, jobs: Sequence[str], last: int) -> list[str]:
+def _snapshots(service: Service, jobs: Sequence[str], last: int) -> str:
     """Jobs as events: those given, or the newest ones where none is."""
     if jobs:
         found = [service.database.job(job) for job in jobs]
         records = [job for job in found if job is not None]
     else:
         records = service.database.jobs(JobFilter(), limit=_RECENT)[::-1]
-    return [_event("job", document, last) for document in job_documents(service, records)]
+    documents = job_documents(service, records)
+    return "".join(_event("job", document, last) for document in documents)
 
 
 def _progress(event: EventRecord) -> str:
+    """An event as it is told at once; nothing where only a snapshot tells it."""
+    if event.kind != "progress":
+        return ""
     return _event("progress", {"job": event.job, "run": event.run, **event.data}, event.id)
 
 
@@ -199,9 +206,7 @@ def _event(kind: str, data: Any, number: int) -> str:
     return f"id: {number}\nevent: {kind}\ndata: {text}\n\n"
 
 
-async def _woken(changed: asyncio.Event, seconds: float) -> bool:
-    try:
+async def _woken(changed: asyncio.Event, seconds: float) -> None:
+    """Waits for a change, not longer."""
+    with suppress(TimeoutError):
         await asyncio.wait_for(changed.wait(), seconds)
-    except TimeoutError:
-        return False
-    return True

@@ -9,6 +9,7 @@ from annotated_types import Ge, Le
 from fastapi import FastAPI
 from pydantic import TypeAdapter
 
+from server.jobs.submission import READING_SOURCES
 from server.settings import LARGEST_PRIORITY
 from solver import studies
 from solver.studies import Study
@@ -42,7 +43,8 @@ def describe_studies(app: FastAPI) -> None:
     def described() -> dict[str, Any]:
         if app.openapi_schema is None:
             document = plain()
-            schema = TypeAdapter(Submission).json_schema(ref_template=_REFERENCES)
+            with READING_SOURCES:
+                schema = TypeAdapter(Submission).json_schema(ref_template=_REFERENCES)
             parts = document.setdefault("components", {}).setdefault("schemas", {})
             parts |= schema.pop("$defs")
             example = studies.to_json(studies.template("sprung-mass-beam").study)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 
 from fastapi import FastAPI, Request
-from sqlalchemy.exc import InterfaceError, OperationalError
+from sqlalchemy.exc import InterfaceError, InternalError, OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from starlette.responses import Response
 
@@ -14,8 +14,9 @@ from server.store import NotStoredError, StoreError, StoreFullError
 
 __all__ = ["DATABASE_AWAY", "install_outages"]
 
-DATABASE_AWAY = (OperationalError, InterfaceError, PoolTimeoutError)
-"""What a database that is locked, full, read-only or gone raises."""
+DATABASE_AWAY = (OperationalError, InterfaceError, InternalError, PoolTimeoutError)
+"""What a database that is locked, full, read-only or gone raises. That it has ended a transaction
+that was silent for too long, as on a machine that slept, PostgreSQL calls internal."""
 
 _log = logging.getLogger("trainbridge.errors")
 _LATER = {"Retry-After": "5"}

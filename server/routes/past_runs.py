@@ -106,8 +106,9 @@ class PastRuns:
 
     def _measured(self, kind: JobKind) -> list[_Measured]:
         """What the last jobs of a kind have shown, some of them looked at now."""
+        # Not under the lock: while the database is away each would wait for all before it, too.
+        jobs = self._database.jobs(JobFilter(states=("done",), kind=kind), limit=_JOBS)
         with self._lock:
-            jobs = self._database.jobs(JobFilter(states=("done",), kind=kind), limit=_JOBS)
             unread = [job for job in jobs if job.id not in self._known]
             for job in unread[:_NEW_JOBS]:
                 self._known[job.id] = self._look_at(job, kind)

@@ -11,7 +11,7 @@ from typing import Any, cast
 
 from fastapi import APIRouter, Depends, Response
 
-from server.errors import Problem
+from server.errors import Problem, gone_missing
 from server.jobs.submission import Submission, stored_study
 from server.routes.body import parsed_body
 from server.routes.documents import run_document
@@ -19,7 +19,8 @@ from server.routes.enqueue import NO_PLACE, enqueue
 from server.routes.jobs import job_answer
 from server.routes.quota import require_room
 from server.routes.schemas import Job, JobChange, Run
-from server.routes.service import ServiceDependency
+from server.routes.service import Service, ServiceDependency
+from server.store import RunRecord
 from solver.studies import JobKind
 
 __all__ = ["router"]
@@ -52,7 +53,7 @@ def retry_job(job_id: str, service: ServiceDependency) -> Job:
         )
     if job.state == "done":
         raise _conflict("Every run of the job is done. Clone it to compute all of them again.")
-    runs = service.database.runs_of([job.id])[job.id]
+    runs = _runs_of(service, job.id)
     left = sum(run.state != "done" for run in runs)
     require_room(service, job.disk_bytes * left / len(runs))
     service.database.request_retry(job.id)
@@ -109,7 +110,7 @@ def retry_run(run_id: str, service: ServiceDependency) -> Run:
     if run.state == "done":
         raise _conflict("The run is done. Clone its job to compute it again.")
     job = service.job(run.job)
-    runs = service.database.runs_of([job.id])[job.id]
+    runs = _runs_of(service, job.id)
     # A job that lives has room for all of its runs.
     if job.state not in _ACTIVE:
         require_room(service, job.disk_bytes / len(runs))
@@ -117,6 +118,18 @@ def retry_run(run_id: str, service: ServiceDependency) -> Run:
     service.asked()
     _await(lambda: service.run(run_id).state in _ACTIVE)
     return Run.model_validate(run_document(service, service.run(run_id)))
+
+
+def _runs_of(service: Service, job: str) -> list[RunRecord]:
+    """The runs of a job.
+
+    Raises:
+        Problem: 404: each has some, so that it was deleted and removed since it was looked at.
+    """
+    runs = service.database.runs_of([job])[job]
+    if not runs:
+        raise gone_missing("job", job)
+    return runs
 
 
 def _await(is_so: Callable[[], bool]) -> None:

@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import csv
+import logging
 import math
 from collections.abc import Iterator, Sequence
 from io import StringIO
+from itertools import chain, islice
 from typing import Annotated, Any
 
 import numpy as np
 from fastapi import APIRouter, Query, Response
 from starlette.responses import StreamingResponse
+from starlette.types import Send
 
 from server.errors import Finding, Problem, gone_missing, shortened
 from server.plots.spreadsheet import cell
 from server.routes.documents import channel_document, run_document
 from server.routes.schemas import ChannelList, FrameList, FrameValues, Run, VerdictList
 from server.routes.service import ServiceDependency
-from server.store import NotStoredError, RunReader
+from server.store import NotStoredError, RunReader, StoreError
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/api/v1/runs/{run_id}", tags=["runs"])
+
+_log = logging.getLogger("trainbridge.errors")
 
 _CSV_ROWS = 20_000
 """Rows read and sent at once."""
@@ -93,8 +98,11 @@ def read_channel(
     window = _window(reader, begin, end)
     stride = 1 if points is None else max(1, math.ceil(len(window) / points))
     header = ["time [s]", *(f"{item} [{known[item].unit.symbol}]" for item in names)]
-    return StreamingResponse(
-        _csv(reader, header, names, window[::stride]),
+    lines = _csv(reader, header, names, window[::stride])
+    # Before the answer begins: what is gone by now can still be said.
+    begun = list(islice(lines, 2))
+    return _Breakable(
+        chain(begun, lines),
         media_type="text/csv; charset=utf-8",
         headers={"Content-Disposition": f'attachment; filename="{_file_name(name)}.csv"'},
     )
@@ -193,6 +201,17 @@ def _bounds(begin: float | None, end: float | None) -> tuple[float, float]:
         )
         raise Problem(422, "Unusable values", "The window is empty.", errors=[finding])
     return low, high
+
+
+class _Breakable(StreamingResponse):
+    """An answer that breaks off where what it sends was removed: nobody takes a part for all."""
+
+    async def stream_response(self, send: Send) -> None:
+        """Without the last message the server closes the connection."""
+        try:
+            await super().stream_response(send)
+        except (NotStoredError, StoreError) as error:
+            _log.warning("an answer breaks off: %s", error)
 
 
 def _csv(

@@ -196,15 +196,17 @@ class Queue(EventLog):
             self._append(session, [*events, *settle_job(session, row, decide, self._clock())])
             return [run for run, _ in ended]
 
-    def requeue(self, job: str, runs: Sequence[str], *, decide: Decide) -> list[str]:
-        """Puts runs that have ended back into the queue, because people asked for it.
+    def requeue(self, job: str, run: str | None = None, *, decide: Decide) -> list[str]:
+        """Puts what has ended back into the queue, where people asked for it and still do.
 
-        Attempts and checkpoints are kept, deaths are forgiven, and a new gather will follow. The
-        requests of the job and of these runs are settled, also where nothing can be put back.
+        Who cancels after a retry has taken it back. Attempts and checkpoints are kept, deaths are
+        forgiven, and a new gather will follow. The request is settled, also where nothing can be
+        put back.
 
         Args:
             job: The job.
-            runs: Which; one that lives, or whose batch is running, is left as it is.
+            run: Which; None for all, where the whole job was asked for. One that lives, or whose
+                batch is running, is left as it is.
             decide: The job's state.
 
         Returns:
@@ -214,10 +216,9 @@ class Queue(EventLog):
             row = session.scalar(_locked(job))
             if row is None or row.delete_requested:
                 return []
-            row.retry_requested = False
-            asked = update(RunRow).where(RunRow.job == job, RunRow.id.in_(list(runs)))
-            session.execute(asked.values(retry_requested=False))
-            again = _put_back(session, job, runs)
+            if not _take_request(session, row, run):
+                return []
+            again = _put_back(session, job, run)
             if not again and not _gather_failed(session, row):
                 return []
             row.generation += 1
@@ -307,14 +308,27 @@ def _gather_failed(session: Session, job: JobRow) -> bool:
     return session.scalar(query) is not None
 
 
-def _put_back(session: Session, job: str, runs: Sequence[str]) -> list[tuple[str, int]]:
+def _take_request(session: Session, job: JobRow, run: str | None) -> bool:
+    """Settles the retry of a run, or of a job with all of its runs; False where nobody asks."""
+    if run is None and not job.retry_requested:
+        return False
+    asked = and_(RunRow.job == job.id, RunRow.retry_requested)
+    which = asked if run is None else and_(asked, RunRow.id == run)
+    settle = update(RunRow).where(which).values(retry_requested=False).returning(RunRow.id)
+    settled = session.scalars(settle).all()
+    if run is None:
+        job.retry_requested = False
+    return run is None or bool(settled)
+
+
+def _put_back(session: Session, job: str, run: str | None) -> list[tuple[str, int]]:
     """Moves ended runs, their batches and a prepare that failed to ``queued``."""
     ended = (
         select(RunRow.id, RunRow.attempt, RunRow.batch)
         .join(BatchRow, BatchRow.id == RunRow.batch)
         .where(
             RunRow.job == job,
-            RunRow.id.in_(list(runs)),
+            true() if run is None else RunRow.id == run,
             # One that is done stays done, however often somebody asks.
             RunRow.state.not_in((*LIVE, "done")),
             BatchRow.state != "running",

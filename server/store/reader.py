@@ -286,10 +286,12 @@ class RunReader:
             NotStoredError: The attempt was removed meanwhile: deleted, or replaced by a later one.
         """
         while True:
+            # Asked first: another thread that reads here may see more meanwhile.
+            seen = self._seen
             before = self._commit()
-            if before.samples < self._seen:
+            if before.samples < seen:
                 raise self._removed()
-            self._seen = before.samples
+            self._seen = max(self._seen, before.samples)
             try:
                 with explained(self.place.url):
                     return read(before)

@@ -187,8 +187,9 @@ class Cameras:
 
     def _here(self) -> list[_Seat]:
         """Those of clients that are connected; the others are forgotten."""
-        clients = self._server.get_clients()
         with self._lock:
+            # Looked at under the lock: one that is welcomed meanwhile must not be forgotten.
+            clients = self._server.get_clients()
             self._seats = {key: seat for key, seat in self._seats.items() if key in clients}
             return list(self._seats.values())
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from threading import RLock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +53,9 @@ _QUANTITIES: dict[Colouring, _Quantity] = {
 
 
 class SurfaceColours:
-    """Colours of one run's displayed surface.
+    """Colours of one run's displayed surface; safe to use from several threads.
+
+    The thread that draws and those that tell what is drawn look through the run together.
 
     Args:
         source: The run, finished or still running.
@@ -66,6 +69,7 @@ class SurfaceColours:
         self._surveyed = -1
         self._peaks: _PeakPicture | None = None
         self._peaks_sought = False
+        self._looking = RLock()
 
     @property
     def available(self) -> tuple[Colouring, ...]:
@@ -141,13 +145,14 @@ class SurfaceColours:
     @property
     def _peak_picture(self) -> _PeakPicture | None:
         """The peaks, which a run has once it has ended; looked for only once then."""
-        if not self._peaks_sought and self._source.done and not self._source.plan.modal:
-            self._peaks_sought = True
-            peaks = self._source.slab_peaks()
-            layers = {name: self._used[name] for name in _PEAK_LAYERS if name in self._used}
-            if peaks is not None and layers:
-                self._peaks = _peak_picture(self._source.plan, peaks, layers)
-        return self._peaks
+        with self._looking:
+            if not self._peaks_sought and self._source.done and not self._source.plan.modal:
+                peaks = self._source.slab_peaks()
+                layers = {name: self._used[name] for name in _PEAK_LAYERS if name in self._used}
+                if peaks is not None and layers:
+                    self._peaks = _peak_picture(self._source.plan, peaks, layers)
+                self._peaks_sought = True
+            return self._peaks
 
     @cached_property
     def _ruling(self) -> IntVector:
@@ -157,6 +162,10 @@ class SurfaceColours:
 
     def _survey(self) -> None:
         """Looks at frames spread over the run, and at those that came since."""
+        with self._looking:
+            self._look_at_new_frames()
+
+    def _look_at_new_frames(self) -> None:
         count = self._source.committed_frames
         if count <= self._surveyed:
             return

@@ -7,6 +7,7 @@ knows; and the handlers that would open a public tunnel are gone.
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import hmac
 import http
@@ -14,6 +15,7 @@ import importlib
 import secrets
 import threading
 from collections.abc import Callable, Generator
+from dataclasses import dataclass, field
 from typing import Any
 
 import rich
@@ -110,6 +112,38 @@ def _checked(answer: Callable[..., Any] | None) -> Callable[[ServerConnection, R
 
 def _is_secret(text: str) -> bool:
     return hmac.compare_digest(text.encode(errors="replace"), _SECRET.encode())
+
+
+class _WakingEvent(asyncio.Event):
+    """An event that loses no waiter where viser's other threads set it beside their loop.
+
+    ``asyncio.Event`` is not made for that: set between a waiter's look at it and its lying down, it
+    counts as set, wakes nobody, and whatever sets it later finds nothing to do. The page then gets
+    nothing more. Here another thread only notes it down; the loop, which viser asks to set it as
+    well, wakes whoever waits, each time.
+    """
+
+    def set(self) -> None:
+        """Notes it down; wakes those who wait, in their loop."""
+        self._value = True
+        try:
+            asyncio.get_running_loop()
+        except RuntimeError:
+            return
+        for waiter in self._waiters:
+            if not waiter.done():
+                waiter.set_result(True)
+
+
+@dataclass
+class _WakingBuffer(_infrastructure.AsyncMessageBuffer):
+    """Viser's messages to one client, or to all."""
+
+    message_event: asyncio.Event = field(default_factory=_WakingEvent)
+
+
+# Buffers are made whenever a client comes, not only while a server starts.
+_infrastructure.AsyncMessageBuffer = _WakingBuffer
 
 
 class _Overlay:

@@ -257,14 +257,14 @@ class Player:
 
     def draw(self) -> bool:
         """Shows the state now; says whether anything had to be sent."""
-        state = self.state
-        shown, self._shown = self._shown, state
+        state, shown = self.state, self._shown
         wanted = self._wanted(state)
         repainted = (state.theme, state.smooth) != (shown.theme, shown.smooth)
         layers_changed = state.layers != shown.layers
         drew = repainted or layers_changed or wanted != self._drawn
         if wanted != self._drawn:
             self._picture = self._made(wanted)
+        self._shown = state
         if repainted:
             self._scene = self._built(state)
         if repainted or layers_changed:

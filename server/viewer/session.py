@@ -14,6 +14,7 @@ from typing import TypeAlias
 import numpy as np
 import viser
 
+from server.store.failures import StoreError
 from server.store.reader import NotStoredError
 from server.viewer.guard import start_server, stop_server
 from server.viewer.palette import Theme
@@ -94,7 +95,7 @@ class Session:
         self._clients = 0
         self._watched = time.monotonic()
         self._streams_since = self._watched
-        self._paused, self._told = "", True
+        self._paused, self._told, self._trouble = "", True, ""
         self._server.scene.on_click()(self._clicked)
         self._server.on_client_connect(self._welcome)
         self._thread = threading.Thread(target=self._show, name="viewer", daemon=True)
@@ -220,8 +221,7 @@ class Session:
             while not self._closing.is_set():
                 begun = time.monotonic()
                 if self._clients:
-                    with self._drawing:
-                        self._draw()
+                    self._draw_if_possible()
                 elif begun - self._watched > self._limits.idle:
                     break
                 self._rest(begun)
@@ -234,6 +234,17 @@ class Session:
             stop_server(self._server)
             if self._forget is not None:
                 self._forget(self.id)
+
+    def _draw_if_possible(self) -> None:
+        """A store that does not answer may do so again: what is shown stays until then."""
+        try:
+            with self._drawing:
+                self._draw()
+            self._trouble = ""
+        except StoreError as error:
+            if str(error) != self._trouble:
+                _log.warning("the 3D view of run %s waits: %s", self.run, error)
+            self._trouble = str(error)
 
     def _draw(self) -> None:
         """Shows the state now, of the newest attempt where the one before has stopped."""
@@ -259,9 +270,11 @@ class Session:
             return False
         if source.identity == self._source.identity:
             return False
-        before, self._source = self._player, source
-        self._player = Player(self._server, source, before.state.theme, before)
-        self._player.resume(before.state)
+        before = self._player
+        player = Player(self._server, source, before.state.theme, before)
+        player.resume(before.state)
+        # Not before it shows what the other one did: a change meanwhile would be taken back.
+        self._player, self._source = player, source
         return True
 
     def _rest(self, begun: float) -> None:

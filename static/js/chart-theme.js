@@ -7,6 +7,8 @@
 /** Height of the legend over a callout, as a part of the axes' height; over one line, or in a tall chart. */
 const ABOVE_CALLOUT = 1.24;
 const ABOVE_WORD = 1.1;
+/** Up to this part of the axis' height a callout stands below the legend anyway. */
+const LOW_ENOUGH = 0.7;
 
 /** On a dark ground the deep tones of the palette turn into their light neighbours. */
 const DARK = new Map([
@@ -40,7 +42,7 @@ export function themed(figure, theme, narrow) {
     fixedrange: false,
   };
   const { title: _, ...layout } = source.layout;
-  const upwards = layout.annotations.some((/** @type {any} */ note) => note.showarrow && note.ay < 0);
+  const upwards = layout.annotations.some((/** @type {any} */ note) => note.showarrow && note.ay < 0 && isHigh(note.y, layout.yaxis?.range));
   return {
     data: narrow ? source.data.map(shortened) : source.data,
     layout: {
@@ -57,6 +59,16 @@ export function themed(figure, theme, narrow) {
       annotations: layout.annotations.map((/** @type {any} */ note) => placed(note, theme, narrow)),
     },
   };
+}
+
+/**
+ * Whether words above a value reach beyond the axes.
+ *
+ * @param {number} value
+ * @param {number[] | undefined} range of its axis; unknown where plotly.js chooses it
+ */
+function isHigh(value, range) {
+  return !range || (value - range[0]) / (range[1] - range[0]) > LOW_ENOUGH;
 }
 
 /**

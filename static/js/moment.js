@@ -6,6 +6,8 @@
 
 /** Contact is lost below this compression. [N] */
 const LOST = 0;
+/** Below this one it pulls, as a contact may that was chosen so; above, it is rounding. [N] */
+const PULLING = -1;
 
 /**
  * The moments worth a look, the one that matters most first: when the verdict's value occurs, when
@@ -57,5 +59,6 @@ function lightest(peaks) {
   if (!wheels.length) return [];
   const [name, peak] = wheels.reduce((a, b) => (b[1].least < a[1].least ? b : a));
   const wheel = name.split("/")[0];
-  return [{ time: peak.time_of_least, words: peak.least <= LOST ? `${wheel} loses contact` : `${wheel} presses least` }];
+  const words = peak.least < PULLING ? "pulls most" : peak.least <= LOST ? "loses contact" : "presses least";
+  return [{ time: peak.time_of_least, words: `${wheel} ${words}` }];
 }

@@ -13,7 +13,7 @@ import { titleOf, words } from "./titles.js";
 /** @typedef {import("./types.js").Template} Template */
 /** @typedef {import("./schema.js").Field & { column?: { table: string, key: string } }} Field column: it stands for all cells of one */
 /**
- * @typedef {{ pointer: string, label: string, text: string, unit: string, standard: string | null }} Row
+ * @typedef {{ pointer: string, label: string, text: string, unit: string, standard: string | null, standardUnit: string }} Row
  *   `standard` is the template's value where it is another one
  * @typedef {{ title: string, rows: Row[] }} Group
  * @typedef {{ title: string, groups: Group[] }} Section
@@ -21,8 +21,12 @@ import { titleOf, words } from "./titles.js";
 
 /** From this many rows on, a table of numbers is read column by column. */
 const LONG = 4;
-/** What a column stands for whose cells are all 0, by its pointer. @type {Record<string, string>} */
+/** What 0 stands for, by the pointer of a field, or of a column whose cells are all 0. @type {Record<string, string>} */
 const WHERE_ZERO = {
+  "/approach/length": "follows from the train",
+  "/approach/bed_stiffness": "matched to the track's deflection",
+  "/outputs/cut_off_frequency": "the standard's",
+  "/line_speed": "not stated",
   "/train/axles/stiffness": "follows from the bounce frequency",
   "/train/axles/damping": "follows from the damping ratio",
 };
@@ -161,20 +165,30 @@ function groupTitle(pointer, study) {
 function rowOf(field, study, template, changed) {
   const { pointer } = field;
   const differs = changed.some((other) => concerns(field, other));
-  const text = (/** @type {any} */ value) => written(value, field);
-  const value = valueAt(study, field);
-  const follows = isAllZero(value) && pointer in WHERE_ZERO;
+  const own = said(valueAt(study, field), field);
+  const other = template && differs ? said(valueAt(template, field), field) : null;
   return {
     pointer,
     label: titleOf(pointer, field.label),
-    text: follows ? WHERE_ZERO[pointer] : text(value),
-    unit: follows ? "" : unitText(field.unit),
-    standard: template && differs ? text(valueAt(template, field)) : null,
+    ...own,
+    standard: other && other.text,
+    standardUnit: other?.unit ?? "",
   };
 }
 
+/**
+ * A value and its unit, or what it stands for.
+ *
+ * @param {any} value
+ * @param {Field} field
+ */
+function said(value, field) {
+  const words = isAllZero(value) ? WHERE_ZERO[field.pointer] : undefined;
+  return words ? { text: words, unit: "" } : { text: written(value, field), unit: unitText(field.unit) };
+}
+
 /** @param {any} value */
-const isAllZero = (value) => Array.isArray(value) && value.length > 0 && value.every((cell) => cell === 0);
+const isAllZero = (value) => (Array.isArray(value) ? value.length > 0 && value.every((cell) => cell === 0) : value === 0);
 
 /**
  * @param {any} value

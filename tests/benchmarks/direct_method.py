@@ -156,9 +156,14 @@ def exponent(sizes: list[float], costs: list[float]) -> float:
 
 
 def iteration_share(linear: Cost, nonlinear: Cost) -> float:
-    """Cost of one more iteration over that of a linear step."""
+    """Cost of one more iteration over that of a linear step.
+
+    Both are told in what a step cannot do without, measured in the same process just then: two
+    processes of a machine that others use are not equally fast.
+    """
     more = nonlinear.iterations - linear.iterations
-    return max(0.0, nonlinear.step - linear.step) / more / linear.step
+    one, other = (cost.step / (cost.large + cost.products) for cost in (linear, nonlinear))
+    return max(0.0, other - one) / more / one
 
 
 def _row(cost: Cost) -> str:

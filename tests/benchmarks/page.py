@@ -13,6 +13,7 @@ from typing import Any
 
 from tests.benchmarks.queue_served import served
 from tests.benchmarks.table import Row, print_table
+from tests.browser.waiting import LAUNCH_MS, patient, until
 
 LARGEST_FIRST_PAGE = 200.0
 """Transferred before the chart library. [kB]"""
@@ -46,7 +47,7 @@ class Visit:
 
 def visited(browser: Any, address: str) -> Visit:
     """Opens the first page with nothing in the browser's cache."""
-    context = browser.new_context(viewport={"width": 1280, "height": 860})
+    context = patient(browser.new_context(viewport={"width": 1280, "height": 860}))
     page = context.new_page()
     sizes: dict[str, float] = {}
     session = context.new_cdp_session(page)
@@ -61,6 +62,7 @@ def visited(browser: Any, address: str) -> Visit:
     page.locator("tb-template-card button.primary").first.wait_for()
     page.locator("tb-machine dl").wait_for()  # what the page asks for last
     page.wait_for_timeout(200)
+    until(lambda: page.evaluate("window.readyAt ?? null"), "Run can be pressed", page=page)
     visit = Visit(
         bytes=sum(sizes.values()),
         requests=len(sizes),
@@ -78,7 +80,9 @@ def rows(*, quick: bool) -> Iterator[Row]:
     from playwright.sync_api import sync_playwright
 
     with served() as server, sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        browser = playwright.chromium.launch(
+            executable_path=chromium, args=["--no-sandbox"], timeout=LAUNCH_MS
+        )
         address = str(server.http.base_url.join("/"))
         visits = [visited(browser, address) for _ in range(2 if quick else REPEATS)]
         browser.close()

@@ -170,7 +170,15 @@ def computing(server: Served) -> list[psutil.Process]:
     """The processes of batches: children of a forkserver."""
     tree = server.tree()
     forkservers = [item.pid for item in tree if "forkserver" in command(item)]
-    return [item for item in tree if item.ppid() in forkservers]
+    return [item for item in tree if parent(item) in forkservers]
+
+
+def parent(process: psutil.Process) -> int:
+    """The number of a process's parent, 0 where it has ended."""
+    try:
+        return process.ppid()
+    except psutil.Error:
+        return 0
 
 
 def ended(process: psutil.Process) -> bool:

@@ -51,7 +51,7 @@ class Served:
         assert found is not None, "the server did not start"
         self.client = TrainbridgeClient(found.group())
         # Kept open, as browsers do.
-        self.http = httpx.Client(base_url=f"{found.group()}/api/v1", timeout=60)
+        self.http = httpx.Client(base_url=f"{found.group()}/api/v1", timeout=PATIENCE)
         until(self._answers)
         self.answered = time.perf_counter() - self.began
 
@@ -66,7 +66,7 @@ class Served:
         self.http.close()
         self._process.send_signal(signal.SIGTERM)
         try:
-            self._process.wait(60)
+            self._process.wait(PATIENCE)
         finally:
             self._process.kill()
             self._process.wait()

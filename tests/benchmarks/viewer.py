@@ -28,8 +28,10 @@ from server.viewer.decimation import MOST_VERTICES
 from server.viewer.scene import Scene
 from solver.results import Frame, Layer, Sample
 from tests.benchmarks.table import Row, print_table
+from tests.browser.waiting import LAUNCH_MS, patient
 from tests.server.viewer_client import PROTOCOL, SceneClient, served
 from tests.server.viewer_run import STRIDE, ExampleRun
+from tests.server.viewer_waiting import PATIENCE
 
 ALONG, ACROSS = 500, 40
 """Vertices of the slab: just as many as move at most."""
@@ -59,6 +61,7 @@ _HOOK = """() => {
   window.rendered = 0;
   scene.onBeforeRender = (...values) => { before.apply(scene, values); window.rendered += 1; };
 }"""
+_COUNTS = "[window.rendered, window.trainbridgeColours.updates]"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,9 +159,12 @@ def streamed(seconds: float = 3.0) -> Streamed:
     ):
         client.settle()
         client.sizes.clear()
+        begin = time.monotonic()  # The first pictures may come before the answer.
         play(address, view, run, seconds + 1.0)
-        begin = time.monotonic()
-        while time.monotonic() - begin < seconds:
+        whole = client.nodes["/slab"]["vertices"].nbytes
+        # On a busy machine the first one may be late.
+        while time.monotonic() - begin < seconds or max(client.sizes, default=0) <= whole:
+            assert time.monotonic() - begin < PATIENCE, "it does not play"
             client.settle(quiet=0.02)
         elapsed = time.monotonic() - begin
         vertices, colours = (
@@ -200,7 +206,8 @@ def serving(seconds: float) -> Iterator[Row]:
         time.sleep(1.0)
         used, sent = time.process_time(), shown.call_count
         time.sleep(seconds)
-        used, sent = time.process_time() - used, shown.call_count - sent
+        # Where others take all of the processor no picture may come in that time.
+        used, sent = time.process_time() - used, max(1, shown.call_count - sent)
     yield Row(name="server's processor, a picture", unit="ms", value=1e3 * used / sent, bound=6.0)
 
 
@@ -228,8 +235,10 @@ def rendering(chromium: str, seconds: float) -> Iterator[Row]:
         opened(run) as (address, view),
         sync_playwright() as playwright,
     ):
-        browser = playwright.chromium.launch(executable_path=chromium, args=list(FLAGS))
-        page = browser.new_page(viewport={"width": 1000, "height": 560})
+        browser = playwright.chromium.launch(
+            executable_path=chromium, args=list(FLAGS), timeout=LAUNCH_MS
+        )
+        page = patient(browser.new_page(viewport={"width": 1000, "height": 560}))
         page.goto(f"http://{address}{view['url']}?fixedDpr=1")
         # The page's policy forbids what wait_for_function does.
         while not page.evaluate("window.trainbridgeColours?.ok ?? false"):
@@ -237,11 +246,15 @@ def rendering(chromium: str, seconds: float) -> Iterator[Row]:
         page.evaluate(_HOOK)
         play(address, view, run, seconds + 2.0)
         page.wait_for_timeout(1000)
-        before = page.evaluate("[window.rendered, window.trainbridgeColours.updates]")
-        begin = time.monotonic()
+        before, begin = page.evaluate(_COUNTS), time.monotonic()
         page.wait_for_timeout(1000 * seconds)
-        elapsed = time.monotonic() - begin
-        after = page.evaluate("[window.rendered, window.trainbridgeColours.updates]")
+        elapsed, after = time.monotonic() - begin, page.evaluate(_COUNTS)
+        while not all(late > early for late, early in zip(after, before, strict=True)):
+            # On a busy machine it may have played to its end before one was drawn.
+            assert time.monotonic() - begin < PATIENCE, "nothing is drawn"
+            play(address, view, run, seconds + 2.0)
+            page.wait_for_timeout(1000 * seconds)
+            elapsed, after = time.monotonic() - begin, page.evaluate(_COUNTS)
         browser.close()
     drawn, fresh = (late - early for late, early in zip(after, before, strict=True))
     yield Row(name="rendered picture, Chromium", unit="ms", value=1e3 * elapsed / drawn, bound=100)

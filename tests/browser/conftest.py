@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 
-from tests.browser.waiting import patient, patient_expectations, until
+from tests.browser.waiting import LAUNCH_MS, patient, patient_expectations, until
 
 ROOT = Path(__file__).parents[2]
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -105,7 +105,9 @@ def chromium() -> Iterator[Any]:
 
     patient_expectations()
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(MESA))
+        browser = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=list(MESA), timeout=LAUNCH_MS
+        )
         yield browser
         browser.close()
 

@@ -134,7 +134,11 @@ def test_a_view_that_was_paused_for_another_says_so_and_resumes(
         message.get_by_role("button", name="Resume").click()
         page.get_by_role("button", name="Pause").wait_for()
         expect(message).to_be_hidden()
-        assert _shown(page, session, server)["playing"] is True
+        until(
+            lambda: _shown(page, session, server)["playing"],
+            "the server plays again what the page plays",
+            page=page,
+        )
         paused = [_shown(page, other, server)["paused"] for other in others]
         assert sum(bool(reason) for reason in paused) == 1
         page.goto("about:blank")

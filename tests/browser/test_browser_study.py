@@ -396,6 +396,7 @@ def test_whoever_leaves_while_a_job_starts_is_not_called_back(page: Any) -> None
     page.get_by_text("Starting…").wait_for()
     page.evaluate("location.hash = '#/library'")
     page.get_by_role("heading", name="Library").wait_for()
+    until(lambda: waiting, "the request for a job", page=page)
     with page.expect_response("**/api/v1/jobs"):
         waiting[0].fulfill(status=201, json={"id": "0123456789abcdef"})
     page.wait_for_load_state("networkidle")

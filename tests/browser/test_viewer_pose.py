@@ -12,7 +12,7 @@ from urllib.parse import parse_qs
 import numpy as np
 import pytest
 
-from tests.browser.waiting import until
+from tests.browser.waiting import DONE_MS, patient, until
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
 image = pytest.importorskip("PIL.Image")
@@ -31,7 +31,7 @@ SIDE, FOLLOW = 10.0, 34.0
 @pytest.fixture(scope="module")
 def job(chromium: Any, server: str) -> Iterator[str]:
     """A crossing of seconds, done."""
-    context = chromium.new_context(base_url=server)
+    context = patient(chromium.new_context(base_url=server))
     study = context.request.get("/api/v1/templates/sprung-mass-beam").json()
     body = {"kind": "crossing", "study": study}
     made = context.request.post("/api/v1/jobs", data=body).json()["id"]
@@ -39,6 +39,7 @@ def job(chromium: Any, server: str) -> Iterator[str]:
         lambda: context.request.get(f"/api/v1/jobs/{made}").json()["state"],
         "the crossing is done",
         met=lambda state: state == "done",
+        seconds=DONE_MS / 1e3,
     )
     yield made
     context.close()

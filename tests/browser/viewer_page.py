@@ -18,6 +18,7 @@ from fastapi import FastAPI
 from server.viewer import router
 from server.viewer.source import FrameSource
 from tests.browser.waiting import (
+    LAUNCH_MS,
     PATIENCE,
     patient,
     patient_expectations,
@@ -119,7 +120,9 @@ def launched() -> Iterator[Any]:
     sync_api = pytest.importorskip("playwright.sync_api")
     patient_expectations()
     with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        browser = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=FLAGS, timeout=LAUNCH_MS
+        )
         yield browser
         browser.close()
 

@@ -13,6 +13,7 @@ import numpy as np
 
 __all__ = [
     "DONE_MS",
+    "LAUNCH_MS",
     "PAGE_MS",
     "PATIENCE",
     "drawn_again",
@@ -27,6 +28,8 @@ PATIENCE = 120.0
 """Longest wait for what a server or a page does at once on a machine of its own. [s]"""
 PAGE_MS = 60_000
 """The same for what Playwright itself waits for. [ms]"""
+LAUNCH_MS = 180_000
+"""Longest wait for a browser that starts; Playwright's own is 30 s. [ms]"""
 DONE_MS = 240_000
 """Longest wait for a job of seconds, behind those that the server has already. [ms]"""
 _POLL = 0.1

@@ -107,6 +107,8 @@ test("moments are named, the one that decides first", () => {
   const moments = momentsOfInterest({ verdicts: [{ time: 3.4, raw: { time: 3.8 } }], summary: { peaks } });
   assert.deepEqual(moments.map((moment) => moment.time), [3.4, 3.8, 0.7, 3]);
   assert.equal(moments.at(-1).words, "wheel 02 left loses contact");
+  const pulled = { "wheel 04/contact force": { least: -336922, time_of_least: 0.86 } };
+  assert.equal(momentsOfInterest({ verdicts: [], summary: { peaks: pulled } }).at(-1).words, "wheel 04 pulls most");
 });
 
 test("only a figure over time has the time's cursor", () => {

@@ -12,6 +12,7 @@ const document = {
           schema_version: { type: "integer" },
           name: { type: "string" },
           irregularity: { oneOf: [{ properties: { type: { const: "none" } } }, { properties: { type: { const: "isolated" }, amplitude: { type: "number", unit: metre } } }] },
+          line_speed: { type: "number", unit: { symbol: "m/s", display: "km/h", scale: 3.6 } },
           contact: { properties: { unilateral: { type: "boolean" } } },
         },
       },
@@ -27,6 +28,16 @@ test("inputs have their display unit, and say what the template has instead", ()
   assert.deepEqual([amplitude.text, amplitude.unit, amplitude.standard], ["−16", "mm", "1"]);
   assert.equal(rows.find((row) => row.pointer === "/contact/unilateral").text, "yes");
   assert.equal(rows.find((row) => row.pointer === "/contact/unilateral").standard, null);
+});
+
+test("a zero that stands for something says what, as the report does", () => {
+  const template = { ...study, line_speed: 50 };
+  const row = (/** @type {any} */ own, /** @type {any} */ other) =>
+    studySections(own, "crossing", other, document).flatMap((section) => section.groups).flatMap((group) => group.rows).find((found) => found.pointer === "/line_speed");
+  const unstated = row({ ...study, line_speed: 0 }, template);
+  assert.deepEqual([unstated.text, unstated.unit, unstated.standard, unstated.standardUnit], ["not stated", "", "180", "km/h"]);
+  const stated = row(template, { ...study, line_speed: 0 });
+  assert.deepEqual([stated.text, stated.unit, stated.standard, stated.standardUnit], ["180", "km/h", "not stated", ""]);
 });
 
 test("another kind of irregularity is a difference even where the template lacks the input", () => {

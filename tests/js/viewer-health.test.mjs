@@ -66,6 +66,8 @@ test("a callout above its peak does not cover the legend", () => {
   const legend = (ay, narrow) => themed(figure(ay), theme, narrow).layout.legend.y;
   assert.ok(legend(-34, false) > legend(-34, true));
   assert.ok(legend(-34, true) > legend(34, true));
+  const low = { ...figure(-34).layout, annotations: [{ showarrow: true, ax: 40, ay: -34, y: -2, text: "9.4<br>here" }], yaxis: { range: [-2, 2] } };
+  assert.equal(themed({ data: [], layout: low }, theme, false).layout.legend.y, legend(34, false), "far below the legend it takes no room");
   const words = themed(figure(-34), theme, true).layout.annotations.map(({ text }) => text);
   assert.deepEqual(words, ["9.4", "span 1"]);
 });

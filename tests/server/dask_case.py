@@ -30,13 +30,13 @@ def engine_of(settings: Settings) -> DaskEngine:
 
 
 def settings_for(folder: Path, engine: str, **changes: Any) -> Settings:
-    """Settings with short intervals."""
+    """Settings with short intervals, but for the patience with nodes that start or start again."""
     values: dict[str, Any] = {
         "data": folder / "data",
         "engine": engine,
         "concurrent_batches": 2,
-        "engine_seconds": 5.0,
-        "grace_seconds": 0.5,
+        "engine_seconds": 60.0,
+        "grace_seconds": 20.0,
         "poll_seconds": 0.05,
     }
     return Settings(**{**values, **changes})
@@ -57,10 +57,10 @@ def order_for(
         "store": str(folder),
         "model": "",
         "limits": OrderLimits(
-            seconds=60.0,
+            seconds=600.0,
             memory_bytes=2_000_000_000,
             memory_fraction=0.8,
-            grace_seconds=0.5,
+            grace_seconds=20.0,
             poll_seconds=0.05,
             progress_seconds=0.02,
             checkpoint_seconds=30.0,
@@ -70,7 +70,7 @@ def order_for(
     return Order(**{**values, **changes})
 
 
-def until(condition: Callable[[], object], seconds: float = 90.0) -> None:
+def until(condition: Callable[[], object], seconds: float = 180.0) -> None:
     """Waits for a condition; fails where it does not come."""
     limit = time.monotonic() + seconds
     while not condition():
@@ -79,7 +79,7 @@ def until(condition: Callable[[], object], seconds: float = 90.0) -> None:
 
 
 def hear(
-    engine: Engine, enough: Callable[[Sequence[Report]], bool], seconds: float = 90.0
+    engine: Engine, enough: Callable[[Sequence[Report]], bool], seconds: float = 180.0
 ) -> list[Report]:
     """Reports until there are enough."""
     heard: list[Report] = []
@@ -171,7 +171,7 @@ class Node:
         self.process.kill()
         return self.wait()
 
-    def wait(self, seconds: float = 60.0) -> str:
+    def wait(self, seconds: float = 180.0) -> str:
         """Waits for its end; what it wrote to its error stream."""
         self.process.stdin = None
         _, errors = self.process.communicate(timeout=seconds)

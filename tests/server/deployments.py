@@ -26,13 +26,14 @@ ROOT = Path(__file__).parents[2]
 CHECKPOINT_SECONDS = 0.3
 """Time between two checkpoints. [s]"""
 
-_AT_ONCE = 10.0
+_AT_ONCE = 60.0
 """A process that ends by itself is gone within a moment; on a busy machine moments are long. [s]"""
 
 _SHORT_INTERVALS = {
     "CHECKPOINT_SECONDS": str(CHECKPOINT_SECONDS),
     "CONCURRENT_BATCHES": "2",
-    "GRACE_SECONDS": "1",
+    # On a busy machine what is asked to end may need long for its last checkpoint.
+    "GRACE_SECONDS": "20",
     "POLL_SECONDS": "0.05",
     "PROGRESS_SECONDS": "0.05",
     "QUEUE_POLL_SECONDS": "0.05",
@@ -84,7 +85,7 @@ class Node:
     def _leave(self, number: signal.Signals) -> int:
         self.process.send_signal(number)
         try:
-            return self.process.wait(30)
+            return self.process.wait(120)
         finally:
             self.process.kill()
             self.process.wait()
@@ -196,9 +197,9 @@ class Deployment:
         """SIGKILL of the worker above a batch's process, which is replaced: by Dask's nanny, or
         here as whoever watches over machines would do."""
         forkserver = batch.parent()
-        assert forkserver is not None
-        worker = forkserver.parent()
-        assert worker is not None
+        worker = None if forkserver is None else forkserver.parent()
+        if worker is None:  # The batch, or the forkserver above it, has just ended.
+            raise psutil.NoSuchProcess(batch.pid)
         known = [node for node in self.workers if node.process.pid == worker.pid]
         worker.kill()
         for node in known:

@@ -86,8 +86,6 @@ def running_server(programs: Path) -> Iterator[PostgresqlServer]:
     owner = _owner()
     if owner is not None:
         os.chown(folder, owner.pw_uid, owner.pw_gid)
-    with socket.create_server(("127.0.0.1", 0)) as probe:
-        port = int(probe.getsockname()[1])
 
     def run(program: str, *arguments: str) -> None:
         with (folder / f"{program}.log").open("ab") as log_file:
@@ -113,6 +111,9 @@ def running_server(programs: Path) -> Iterator[PostgresqlServer]:
     try:
         cluster = ("-D", str(folder / "cluster"), "-U", "trainbridge", "-A", "trust", "-N")
         run("initdb", *cluster, "--locale=C", "-E", "UTF8")
+        # Only now: what takes long before the port is used gives others the time to take it.
+        with socket.create_server(("127.0.0.1", 0)) as probe:
+            port = int(probe.getsockname()[1])
         settings = [f"port={port}", "listen_addresses=127.0.0.1", *_QUICK.split()]
         settings.append(f"unix_socket_directories={folder}")
         options = " ".join(f"-c {setting}" for setting in settings)

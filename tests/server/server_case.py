@@ -43,7 +43,7 @@ class Client(httpx.Client):
     """Talks to a server in a thread of this process."""
 
     def __init__(self, port: int, app: FastAPI) -> None:
-        super().__init__(base_url=f"http://127.0.0.1:{port}", timeout=30.0, verify=_NO_TLS)
+        super().__init__(base_url=f"http://127.0.0.1:{port}", timeout=120.0, verify=_NO_TLS)
         self.port = port
         self.app = app
 

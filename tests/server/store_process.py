@@ -115,7 +115,7 @@ def fill_disk(folder: Path) -> tuple[str, str]:
     process.start()
     sender.close()
     told = receiver.recv()
-    process.join(30)
+    process.join(120)
     receiver.close()
     return told
 

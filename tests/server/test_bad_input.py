@@ -341,7 +341,7 @@ def test_a_server_that_cannot_start_says_why(
 
 
 # A guard: a second server that were to start would serve for ever.
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(600)
 def test_a_second_server_leaves_the_first_alone(tmp_path: Path) -> None:
     settings = settings_for(tmp_path)
     with serving(settings, compute=odd_batches.finish) as client:
@@ -376,7 +376,7 @@ def test_ordinary_depth_and_brackets_in_texts_are_taken() -> None:
 
 # A guard against hanging, no measurement: this takes a second, and work that grows with the square
 # of the size would take hours.
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(600)
 def test_large_bodies_are_read_quickly() -> None:
     read_json(b"[" + b"[],{}," * 600_000 + b"0]")
 

@@ -98,7 +98,7 @@ def test_a_full_disk_is_said_in_a_line(tmp_path: Path) -> None:
         [sys.executable, "-c", limited, "run", str(study), "--out", str(tmp_path / "out")],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=300,
         cwd=ROOT,
         check=False,
     )

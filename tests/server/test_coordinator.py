@@ -32,6 +32,7 @@ class ScriptedEngine:
         self.refuses: Exception | None = None
         self.starts = 0
         self._woken = threading.Event()
+        self._telling = threading.Lock()
 
     def start(self) -> None:
         self.starts += 1
@@ -59,7 +60,8 @@ class ScriptedEngine:
         if not self.told:
             self._woken.wait(seconds)
         self._woken.clear()
-        told, self.told = self.told, []
+        with self._telling:
+            told, self.told = self.told, []
         for report in told:
             if report.kind == "ended":
                 self.orders.pop(report.key, None)
@@ -74,7 +76,8 @@ class ScriptedEngine:
     # What tests say.
 
     def tell(self, key: str, kind: str, run: str = "", **data: Any) -> None:
-        self.told.append(Report(key=key, kind=kind, run=run, data=data))
+        with self._telling:
+            self.told.append(Report(key=key, kind=kind, run=run, data=data))
         self.wake()
 
     def end(self, key: str, event: Event, error: str = "") -> None:
@@ -103,7 +106,11 @@ class Queue:
 
     def begun(self) -> Order:
         """The one order that computes."""
-        return until(lambda: list(self.engine.orders.values()), bool)[0]
+        return until(self.order, bool)
+
+    def order(self) -> Order | None:
+        """The first order that computes now; the coordinator's thread adds and removes some."""
+        return next(iter(list(self.engine.orders.values())), None)
 
     def state(self, job: str) -> str:
         found = self.database.job(job)
@@ -137,7 +144,7 @@ def test_only_deaths_with_no_checkpoint_between_end_a_run(queue: Queue) -> None:
     ends = [Event.DIE, Event.LOSE, Event.DIE, "checkpoint", Event.DIE, Event.STOP, Event.DIE]
     for attempt, event in enumerate(ends, start=1):
         order = until(
-            lambda: next(iter(queue.engine.orders.values()), None),
+            queue.order,
             lambda found, attempt=attempt: found is not None and found.attempt == attempt,
         )
         if event == "checkpoint":
@@ -193,9 +200,7 @@ def test_an_order_that_cannot_begin_goes_back_into_the_queue(queue: Queue) -> No
     job = add(queue.database)
     queue.engine.refuses = OSError("too many open files")
     queue.start()
-    order = until(
-        lambda: next(iter(queue.engine.orders.values()), None), lambda found: found is not None
-    )
+    order = queue.begun()
     # The machine's trouble is not the run's: it counts for nothing.
     assert order.attempt == 2
     assert queue.database.running_batches()[0].deaths == 0
@@ -215,7 +220,7 @@ def test_a_store_that_does_not_answer_holds_up_no_end(
     monkeypatch.setattr(type(queue.store), "exists", refuse)
     queue.engine.end(order.key, Event.LOSE)
     until(
-        lambda: [item.attempt for item in queue.engine.orders.values()],
+        lambda: [item.attempt for item in list(queue.engine.orders.values())],
         lambda attempts: attempts == [2],
     )
 
@@ -237,7 +242,8 @@ def test_a_cancel_survives_a_write_that_failed(
     monkeypatch.setattr(queue.database, "change_batch", fail_first)
     queue.database.request_cancel(job.id)
     until(lambda: queue.state(job.id), lambda state: state == "cancelled")
-    assert queue.engine.cancelled == [(order.key, ())]
+    # It is written first, then the engine is told.
+    assert until(lambda: queue.engine.cancelled, bool) == [(order.key, ())]
 
 
 def test_a_run_that_was_cancelled_before_its_coordinator_died_ends_quietly(

@@ -147,7 +147,7 @@ def test_the_last_runs_end_at_once_and_one_gather_follows(
         for thread in threads:
             thread.start()
         for thread in threads:
-            thread.join(60)
+            thread.join(240)
         assert names(second.queued_batches(9)) == [(job.id, "gather")]
         gather = start(first, second.queued_batches(9)[0])
         assert second.change_batch(gather, values={"state": "done"}, runs={}, decide=decide)
@@ -169,7 +169,7 @@ def test_a_retry_where_nothing_failed_is_settled(database: Database) -> None:
     before = database.job(job.id)
     assert database.request_retry(job.id)
     assert database.requests().retry_jobs == (job.id,)
-    assert database.requeue(job.id, [], decide=decide) == []
+    assert database.requeue(job.id, decide=decide) == []
     assert database.requests().retry_jobs == ()
     assert database.job(job.id) == before
 
@@ -181,7 +181,7 @@ def test_a_retry_of_a_job_that_is_being_cancelled_waits_for_its_end(database: Da
     assert database.requests().retry_jobs == ()
     ended = database.end_queued(job.id, state="cancelled", decide=decide)
     assert database.requests().retry_jobs == (job.id,)
-    assert database.requeue(job.id, ended, decide=decide) == ended
+    assert database.requeue(job.id, decide=decide) == ended
     assert names(database.queued_batches(9)) == [(job.id, "runs")]
 
 
@@ -214,7 +214,7 @@ def test_a_retry_keeps_attempt_and_checkpoint_and_is_gathered_anew(database: Dat
     compute(database)
     assert database.request_retry_run(run)
     assert database.requests().retry_runs == (run,)
-    assert database.requeue(job.id, [run], decide=decide) == [run]
+    assert database.requeue(job.id, run, decide=decide) == [run]
     assert database.requests().retry_runs == ()
     (batch,) = database.queued_batches(9)
     assert (batch.attempt, batch.deaths, batch.checkpoint_step) == (1, 0, 40)
@@ -226,7 +226,8 @@ def test_a_retry_keeps_attempt_and_checkpoint_and_is_gathered_anew(database: Dat
     started = start(database, batch)
     assert started.attempt == 2
     # A run that lives is left as it is.
-    assert database.requeue(job.id, [run], decide=decide) == []
+    assert database.request_retry_run(run)
+    assert database.requeue(job.id, run, decide=decide) == []
     end(database, started)
     purposes = [item.purpose for item in database.batches_of(job.id)]
     assert purposes == ["runs", "runs", "gather", "gather"]

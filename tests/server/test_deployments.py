@@ -24,7 +24,7 @@ from solver import studies
 from tests.server.deployments import Deployment, assert_same_bits, deployed, surviving
 from tests.server.server_case import beam_study, short_study, until
 
-LONG = 60.0
+LONG = 240.0
 """Time for what takes some seconds on a quiet machine. [s]"""
 BEGINS = r"attempt (\d+) begins"
 STORED = r"checkpoint of step (\d+) stored"

@@ -162,12 +162,12 @@ def test_validation_says_what_its_time_is_from(tmp_path: Path) -> None:
         database: Database = client.app.state.service.database
         (done,) = database.runs(database.jobs()[0].id)
         assert report["estimate"]["seconds"] == pytest.approx(seconds_of(done), rel=1e-6)
-        # The 50 ms, with room for a busy machine: the best of some.
+        # The 50 ms, of the processor: others may have it meanwhile. The best of some.
         taken = []
-        for _ in range(5):
-            began = time.perf_counter()
+        for _ in range(10):
+            began = time.process_time()
             client.post("/api/v1/studies/validate", json=ask)
-            taken.append(time.perf_counter() - began)
+            taken.append(time.process_time() - began)
         assert min(taken) < 0.05
         # Cards of templates say it too.
         items = {item["name"]: item for item in client.json("templates")["items"]}

@@ -19,6 +19,7 @@ from tests.server.plots_case import (
     AXIS,
     FILTERED,
     TIME,
+    Plan,
     Run,
     draw,
     finished_run,
@@ -116,6 +117,16 @@ def test_the_named_peak_of_a_judged_slab_is_the_verdicts_value_and_place() -> No
     assert [row["channel"] for row in figure["table"]] == [AXIS, AXIS, ""]
 
 
+@pytest.mark.parametrize("factor", [1.25, -1.25])
+def test_the_words_below_a_peak_hide_no_number_of_the_time_axis(factor: float) -> None:
+    run = _decided({"name": "slab, span 2", "x": 29.2154, "y": -0.0, "z": 1.335}, factor)
+    layout = draw("slab-acceleration", run)["layout"]
+    (peak,) = [note for note in layout["annotations"] if note["showarrow"]]
+    low, high = layout["yaxis"]["range"]
+    # 34 pixels to the middle of three lines of 11 pixels; the page's charts are 207 pixels high.
+    assert peak["y"] > 0.0 or (peak["y"] - low) / (high - low) > 58.0 / 207.0
+
+
 def test_without_a_verdict_the_deciding_point_changes_nothing() -> None:
     run = _decided({"name": "slab, span 2", "x": 29.2, "y": 0.0, "z": 1.335})
     assert run.summary is not None
@@ -168,6 +179,46 @@ def test_contact_forces_are_in_kilonewtons_with_static_load_and_loss_of_contact(
     assert figure["table"][0]["contact_lost"] == pytest.approx(0.010)  # ten samples of 1 ms
     assert "contact lost for 10 ms" in figure["summary"]
     assert "always in contact" in figure["summary"]
+
+
+def test_wheels_that_are_not_drawn_and_lose_contact_are_named() -> None:
+    """Who reads that wheel 01 keeps contact takes it for the train."""
+    run = make_run()
+    least = {"01 left": 0.0, "02 left": 0.0, "07 left": 0.0, "03 left": 1.0}
+    peaks = {f"wheel {name}/contact force": {"least": force} for name, force in least.items()}
+    run.summary = {"peaks": peaks}
+    words = draw("contact-force", run)["summary"]
+    assert words.endswith("Not drawn: wheel 02 left, wheel 07 left, where contact is lost too.")
+    run.summary = {"peaks": peaks | {name.replace("left", "right"): peaks[name] for name in peaks}}
+    words = draw("contact-force", run)["summary"]
+    assert words.endswith("Not drawn: 4 more wheels, where contact is lost too.")
+
+
+@pytest.mark.parametrize(
+    ("count", "drawn"), [(1, ["01"]), (4, ["01", "02", "03", "04"]), (9, ["01", "09"])]
+)
+def test_a_few_masses_on_one_path_are_all_drawn(count: int, drawn: list[str]) -> None:
+    numbers = [f"{number:02d}" for number in range(1, count + 1)]
+    forces = [spec(f"wheel {number}/contact force", "wheel", Units.force) for number in numbers]
+    moves = [spec(f"mass {number}/displacement", "vehicle", Units.length) for number in numbers]
+    channels = (*forces, *moves)
+    histories = {channel.name: np.ones(TIME.size) for channel in channels}
+    run = Run(plan=Plan(channels=channels), histories=histories)
+    for figure, body in (("contact-force", "wheel"), ("displacement", "mass")):
+        names = [curve["name"] for curve in draw(figure, run)["data"]]
+        assert names == [f"{body} {number}" for number in drawn]
+
+
+def test_a_contact_that_pulls_is_never_called_lost() -> None:
+    run = make_run()
+    force = run.histories["wheel 01 left/contact force"]
+    run.histories["wheel 01 left/contact force"] = np.where(force <= 0.0, -2.0e5, force)
+    figure = draw("contact-force", run)
+    assert "contact lost" not in [curve["name"] for curve in figure["data"]]
+    assert figure["table"][0]["contact_lost"] == 0.0
+    assert "pulls for 10 ms: this contact cannot be lost" in figure["summary"]
+    words = [note["text"] for note in figure["layout"]["annotations"]]
+    assert "0: the contact pulls below" in words
 
 
 def test_wheels_of_an_axle_that_feel_the_same_are_one_curve_that_says_so() -> None:

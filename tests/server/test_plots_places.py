@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -69,6 +70,21 @@ def test_the_maps_peak_is_the_judged_slabs_and_the_limit_is_a_contour() -> None:
     words = [note["text"] for note in figure["layout"]["annotations"]]
     assert "span 1: shown, not judged" in words
     assert "left rail" in words
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_the_words_of_a_peak_at_the_slabs_edge_stand_on_the_map(side: int) -> None:
+    run = mapped()
+    assert run.peaks is not None
+    assert run.peaks.filtered is not None
+    slab, values = run.plan.slab, run.peaks.filtered.copy()
+    inside = np.flatnonzero(np.isin(slab.span, slab.judged_spans))
+    edge = inside[np.argmax(side * slab.coordinates[inside, 1])]
+    values[edge] = 2.0 * values.max()
+    run.peaks = replace(run.peaks, filtered=values)
+    (note,) = [n for n in draw("slab-map", run)["layout"]["annotations"] if n["showarrow"]]
+    assert note["y"] == slab.coordinates[:, 1].max() * side
+    assert note["ay"] * side > 0  # plotly counts pixels downwards: outside lies the axis' title
 
 
 def test_limits_are_not_held_against_accelerations_as_computed() -> None:

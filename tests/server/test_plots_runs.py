@@ -88,6 +88,8 @@ def test_a_sweep_is_drawn_over_the_speed_and_leads_to_its_runs() -> None:
     assert above["x"] == [360.0, 432.0]
     assert above["y"] == [2.5, 9.4]
     assert below["y"] == [3.0, 8.0]
+    # Spans that are shown but not judged may move more: the Overview says by how much.
+    assert below["name"] == "greatest |displacement| at judged mid-spans"
     assert (above["customdata"], below["customdata"]) == (["a", "b"], ["a", "b"])
     assert (above.get("yaxis", "y"), below["yaxis"]) == ("y", "y2")
     assert above["marker"]["symbol"] != below["marker"]["symbol"]
@@ -123,6 +125,7 @@ def test_a_sweep_of_which_nothing_has_ended_says_so() -> None:
 def test_a_sweep_without_a_verdict_has_no_side() -> None:
     figure = speed_sweep(replace(SWEEP, limit=None, quantity="as computed"), FigureRequest())
     assert {row["verdict"] for row in figure["table"]} == {""}
+    assert figure["data"][1]["name"] == "greatest |displacement| at mid-span"
     assert "outside" not in figure["summary"]
 
 

@@ -22,7 +22,6 @@ pytestmark = pytest.mark.slow
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Client]:
     """A server that computes."""
     with serving(settings_for(tmp_path_factory.mktemp("server"))) as client:
-        client.timeout = 120.0
         yield client
 
 

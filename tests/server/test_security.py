@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.sync.client import connect
+from websockets.sync.client import ClientConnection, connect
 
 from server.app import create_app
 from server.security import COOKIE, LOGIN_PATHS, Access, Guard
@@ -69,6 +69,11 @@ def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Client]:
     settings = settings_for(tmp_path_factory.mktemp("guarded"), token=TOKEN)
     with serving(settings, compute=odd_batches.finish) as client:
         yield client
+
+
+def websocket(address: str, headers: Mapping[str, str]) -> ClientConnection:
+    """A connection, through no proxy, of a client with patience."""
+    return connect(address, additional_headers=headers, proxy=None, open_timeout=60.0)
 
 
 def status(client: Client, method: str, path: str, **headers: str) -> int:
@@ -166,7 +171,7 @@ def test_websockets_refuse_strangers(
         return  # This client cannot send a second Host.
     with (
         pytest.raises(InvalidStatus) as refused,
-        connect(f"ws://127.0.0.1:{client.port}{path}", additional_headers=headers),
+        websocket(f"ws://127.0.0.1:{client.port}{path}", headers),
     ):
         pass
     assert refused.value.response.status_code == expected
@@ -175,12 +180,12 @@ def test_websockets_refuse_strangers(
 @pytest.mark.parametrize("path", SOCKETS)
 def test_websockets_need_the_token(guarded: Client, path: str) -> None:
     address = f"ws://127.0.0.1:{guarded.port}{path}"
-    with pytest.raises(InvalidStatus) as refused, connect(address):
+    with pytest.raises(InvalidStatus) as refused, websocket(address, {}):
         pass
     assert refused.value.response.status_code == 401
     # With it the proxy answers: it accepts, and closes because there is no such session.
     headers = {"Authorization": f"Bearer {TOKEN}"}
-    with connect(address, additional_headers=headers) as socket:
+    with websocket(address, headers) as socket:
         with pytest.raises(ConnectionClosed):
             socket.recv(timeout=60)
         assert socket.close_code == 4404

@@ -79,18 +79,18 @@ def test_it_stops_with_streams_open_and_runs_computing(tmp_path: Path) -> None:
             listening = [threading.Event() for _ in range(3)]
 
             def listen(opened: threading.Event, address: str = address) -> None:
-                with httpx.stream("GET", f"{address}/api/v1/events", timeout=30) as answer:
+                with httpx.stream("GET", f"{address}/api/v1/events", timeout=120) as answer:
                     for _ in answer.iter_lines():
                         opened.set()
 
             threads = [threading.Thread(target=listen, args=(event,)) for event in listening]
             for thread in threads:
                 thread.start()
-            assert all(event.wait(60) for event in listening)
+            assert all(event.wait(120) for event in listening)
             process.send_signal(number)
-            assert process.wait(timeout=60) == 0
+            assert process.wait(timeout=180) == 0
             for thread in threads:
-                thread.join(60)
+                thread.join(120)
             assert surviving(children) == []
 
 
@@ -104,7 +104,7 @@ def test_a_forkserver_whose_server_is_gone_loads_nothing() -> None:
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=240,
     )
     assert (found.returncode, found.stdout) == (0, "")
     assert "server.jobs.environment" in found.stderr
@@ -182,7 +182,7 @@ def serve_briefly(*options: str) -> subprocess.CompletedProcess[str]:
         [sys.executable, "-m", "server", "serve", *options],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=240,
         cwd=ROOT,
         env=environment,
         check=False,

@@ -62,7 +62,7 @@ def test_a_view_goes_on_with_the_next_attempt_as_it_was(follow) -> None:
     session = sessions.open("run", first, "dark")
     with session.watched():
         sessions.change(session, time=0.4, scale=7.0, colour="velocity", layers=frozenset({"deck"}))
-        sessions.change(session, camera="side", playing=True, rate=0.001)
+        sessions.change(session, camera="side", playing=True, rate=1e-6)
         assert not until(lambda: session.player.timeline.last > 0.5, 0.5), "it may just be slow"
         newest[0] = second
         assert until(lambda: session.player.timeline.last == pytest.approx(0.7))

@@ -8,17 +8,15 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from io import BytesIO
-from typing import Any
 
-import msgspec
 import numpy as np
 import pytest
-import zstandard
 from fastapi import FastAPI
 
 from server.errors import install_errors
 from server.viewer import ViewerLimits, router
-from tests.server.viewer_client import SceneClient, served
+from tests.server.viewer_camera import Page, View
+from tests.server.viewer_client import served
 from tests.server.viewer_small_runs import BeamRun, ModalRun
 from tests.server.viewer_waiting import http
 
@@ -27,101 +25,8 @@ SPEED = RUNS["beam"].plan.speed
 EYE, AIM = (-12.0, -25.5, 9.25), (8.0, 1.0, 1.5)
 POSE = {"position": list(EYE), "look_at": list(AIM)}
 FARTHER = {"position": [-20.0, -40.0, 15.0], "look_at": list(AIM)}
-OVERVIEW = float(np.radians(34.0))
 WAIT = 60.0
 """For what takes a moment, on a machine that does other things meanwhile. [s]"""
-
-
-class Page(SceneClient):
-    """A page that goes where its camera is sent, and tells where it is as viser's page does.
-
-    Attributes:
-        camera: As last sent: position, look_at, fov, near.
-        opening: Where it begins by itself.
-        sent: How many words about the camera came.
-    """
-
-    def __init__(self, address: str, session: str) -> None:
-        super().__init__(address, session)
-        self.camera: dict[str, Any] = {}
-        self.opening: dict[str, Any] = {}
-        self.sent = 0
-
-    def __enter__(self) -> Page:
-        return self
-
-    def _take(self, packet: bytes) -> None:
-        super()._take(packet)
-        plain, packed = (int.from_bytes(packet[i : i + 8], "little") for i in (0, 8))
-        inner = zstandard.ZstdDecompressor().decompress(packet[16 : 16 + packed], plain)
-        for message in msgspec.msgpack.decode(inner)["messages"]:
-            kind = message["type"]
-            if kind.startswith("SetCamera"):
-                (name,) = (key for key in message if key not in ("type", "initial"))
-                word = kind.removeprefix("SetCamera").removesuffix("Message").lower()
-                (self.opening if message["initial"] else self.camera)[word] = message[name]
-                self.sent += not message["initial"]
-
-    def look(self, eye: tuple[float, ...], target: tuple[float, ...]) -> None:
-        """Places the camera; it sees as widely as it was last told to."""
-        self._send(
-            "ViewerCameraMessage",
-            wxyz=(1.0, 0.0, 0.0, 0.0),
-            position=eye,
-            fov=self.camera.get("fov", OVERVIEW),
-            near=self.camera.get("near", 0.3),
-            far=self.camera.get("far", 1000.0),
-            image_height=500,
-            image_width=900,
-            look_at=target,
-            up_direction=(0.0, 0.0, 1.0),
-        )
-
-    def tell(self) -> None:
-        """Says where the camera is, as the page does after every movement."""
-        self.look(tuple(self.camera["position"]), tuple(self.camera["lookat"]))
-
-    def come(self) -> None:
-        """Opens as a page does: begins somewhere, is sent to its place, says that it is there."""
-        self.settle()
-        self.begin()
-        self.settle()
-        self.tell()
-
-    def begin(self) -> None:
-        """Says that it is where it begins."""
-        self.look(tuple(self.opening["position"]), tuple(self.opening["lookat"]))
-
-    def is_at(self, pose: dict[str, list[float]]) -> None:
-        """The camera was sent there."""
-        # viser sends no movement below 1e-5 of a coordinate
-        np.testing.assert_allclose(self.camera["position"], pose["position"], atol=2e-3)
-        np.testing.assert_allclose(self.camera["lookat"], pose["look_at"], atol=2e-3)
-
-
-class View:
-    """One session over HTTP."""
-
-    def __init__(self, address: str, run: str = "beam") -> None:
-        self.address = address
-        opened = http.post(f"http://{address}/api/v1/runs/{run}/viewer").json()
-        self.session = opened["session"]
-        self.resource = f"http://{address}/api/v1/viewer/{self.session}"
-
-    def put(self, **change: object) -> dict[str, Any]:
-        answer = http.put(self.resource, json=change)
-        assert answer.status_code == 200, answer.text
-        return answer.json()
-
-    @property
-    def pose(self) -> dict[str, Any] | None:
-        return http.get(self.resource).json()["pose"]
-
-    def page(self) -> Page:
-        """A page that has opened."""
-        page = Page(self.address, self.session)
-        page.come()
-        return page
 
 
 def until(met: Callable[[], bool]) -> None:
@@ -171,8 +76,8 @@ def test_a_pose_that_is_asked_for_moves_the_cameras_once(view: View) -> None:
         before = page.sent, other.sent
         assert view.put(camera="side", pose=POSE)["pose"] == {**POSE, "fov": None}
         for one in (page, other):
-            one.settle()
             one.is_at(POSE)
+            one.settle()
             one.tell()
         said = page.sent - before[0], other.sent - before[1]
         for one in (page, other, page, other):
@@ -188,9 +93,10 @@ def test_what_is_told_of_before_does_not_undo_what_was_asked(view: View) -> None
     with view.page() as page:
         page.look(EYE, AIM)
         until(lambda: view.pose is not None)
+        before = page.sent
         view.put(camera="side")
         page.look((EYE[0] + 0.1, EYE[1], EYE[2]), AIM)
-        page.settle()
+        page.until_sent(before)
         page.tell()
         until(lambda: view.pose is None)
 
@@ -204,8 +110,8 @@ def test_a_preset_takes_the_pose_back_even_the_same_again(
         begun = {"position": page.camera["position"], "look_at": page.camera["lookat"]}
         page.look(EYE, AIM)
         until(lambda: view.pose is not None)
+        page.forget()
         assert view.put(**change)["pose"] is None
-        page.settle()
         page.is_at(begun)
         page.tell()
         page.settle()
@@ -231,10 +137,10 @@ def test_a_page_that_takes_up_its_first_place_late_is_sent_on(view: View) -> Non
     """viser's page does so where it is slow to open; nobody has moved its camera there."""
     view.put(camera="side", pose=FARTHER)
     with view.page() as page:
-        page.camera["position"] = page.camera["lookat"] = None
+        page.forget()
         page.begin()
-        page.settle()
         page.is_at(FARTHER)
+        page.settle()
         assert view.pose == {**FARTHER, "fov": None}
         page.tell()
         page.settle()
@@ -282,8 +188,9 @@ def test_the_client_that_moved_last_is_told(view: View) -> None:
 def test_a_free_camera_says_where_it_is_and_how_wide_it_sees(view: View) -> None:
     """No preset says it: a link with ``free`` alone would show another picture."""
     with view.page() as page:
+        before = page.sent
         view.put(camera="side")
-        page.settle()
+        page.until_sent(before)
         side = dict(page.camera)
         page.tell()
         told = view.put(camera="free")["pose"]
@@ -303,14 +210,15 @@ def test_a_camera_that_follows_keeps_its_place_beside_the_train(view: View) -> N
     here = {"position": [3.0, -6.0, 4.0], "look_at": [-2.5, 0.5, 1.0]}
     later = {key: [x + 0.5 * SPEED, y, z] for key, (x, y, z) in here.items()}
     with view.page() as page:
+        before = page.sent
         view.put(camera="follow", time=0.0)
-        page.settle()
+        page.until_sent(before)
         page.tell()
         page.look(tuple(here["position"]), tuple(here["look_at"]))
         until(lambda: view.pose == {**here, "fov": None})
         assert view.put(time=0.5)["pose"] == {**later, "fov": None}
-        page.settle()
         page.is_at(later)
+        page.settle()
         page.tell()
         assert page.settle(0.3) == 0
         assert view.pose == {**later, "fov": None}
@@ -320,7 +228,6 @@ def test_a_camera_that_follows_keeps_its_place_beside_the_train(view: View) -> N
     with other.page() as page:
         page.is_at(here)
         assert other.put(time=0.5)["pose"] == {**later, "fov": None}
-        page.settle()
         page.is_at(later)
     http.delete(other.resource)
 
@@ -329,8 +236,9 @@ def test_a_camera_that_follows_keeps_its_place_beside_the_train(view: View) -> N
 def test_while_the_train_runs_the_camera_is_never_taken_for_moved(view: View) -> None:
     """What the page tells is of a moment before: it must not be left behind."""
     with view.page() as page:
+        before = page.sent
         view.put(camera="follow", time=0.0, rate=0.2)
-        page.settle()
+        page.until_sent(before)
         page.tell()
         view.put(playing=True)
         for _ in range(6):

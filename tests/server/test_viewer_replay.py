@@ -17,6 +17,7 @@ from fastapi import FastAPI
 from server.errors import install_errors
 from server.viewer import FrameSource, router
 from server.viewer.replay import ReplayLimits, ReplayOptions, replay
+from tests.server.server_case import until
 from tests.server.viewer_client import served
 from tests.server.viewer_small_runs import BeamRun, ModalRun
 
@@ -110,7 +111,8 @@ def test_the_page_asks_nobody_for_anything() -> None:
 def test_the_server_that_recorded_is_gone() -> None:
     before = threading.active_count()
     replay(BeamRun(), ReplayOptions(stop=0.02), LIMITS)
-    assert threading.active_count() <= before + 1  # zarr or pools may keep one
+    # zarr or pools may keep one
+    until(threading.active_count, lambda count: count <= before + 1)
 
 
 def test_a_replay_is_served_as_an_attachment() -> None:
@@ -120,7 +122,7 @@ def test_a_replay_is_served_as_an_attachment() -> None:
     app.include_router(router(runs.__getitem__))
     with served(app) as address:
         where = f"http://{address}/api/v1/runs/beam/viewer/replay.html"
-        answer = httpx.get(where, params={"from": 0.2, "to": 0.3}, timeout=30.0)
+        answer = httpx.get(where, params={"from": 0.2, "to": 0.3}, timeout=120)
         assert answer.status_code == 200
         assert answer.headers["content-type"].startswith("text/html")
         disposition = answer.headers["content-disposition"]
@@ -135,7 +137,7 @@ def test_only_so_many_replays_wait(monkeypatch: pytest.MonkeyPatch) -> None:
     go, made = threading.Event(), replay
 
     def slow(*arguments: Any) -> Any:
-        go.wait(30)
+        go.wait(120)
         return made(*arguments)
 
     monkeypatch.setattr("server.viewer.exports.replay", slow)
@@ -145,7 +147,7 @@ def test_only_so_many_replays_wait(monkeypatch: pytest.MonkeyPatch) -> None:
     codes: list[int] = []
 
     def ask(where: str) -> None:
-        codes.append(httpx.get(where, timeout=60).status_code)
+        codes.append(httpx.get(where, timeout=240).status_code)
         if codes[-1] == 503:
             go.set()
 
@@ -155,6 +157,6 @@ def test_only_so_many_replays_wait(monkeypatch: pytest.MonkeyPatch) -> None:
         for asker in askers:
             asker.start()
         for asker in askers:
-            asker.join(60)
+            asker.join(240)
     # One is made, four wait, the sixth is told at once to come again.
     assert sorted(codes) == [200] * 5 + [503]

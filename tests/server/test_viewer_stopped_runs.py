@@ -19,6 +19,8 @@ def test_what_a_cancelled_run_left_plays_to_its_end_and_rests(tmp_path: Path) ->
         until(lambda: client.get(f"/api/v1/runs/{run}/frames"), lambda it: it.is_success)
         client.post(f"/api/v1/jobs/{job}/cancel")
         assert ended(client, job)["state"] == "cancelled"
+        # That is written at once; its process may store some more until it has ended.
+        until(lambda: client.app.state.coordinator.process_ids, lambda left: not left)
         view = client.post(f"/api/v1/runs/{run}/viewer").json()["session"]
         last = client.json(f"viewer/{view}")["last_time"]
         client.put(f"/api/v1/viewer/{view}", json={"time": 0.0, "rate": 1.0, "playing": True})

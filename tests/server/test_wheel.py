@@ -50,7 +50,7 @@ def address(installed: Path, tmp_path: Path) -> Iterator[str]:
             yield found.group()
         finally:
             process.terminate()
-            process.wait(timeout=60)
+            process.wait(timeout=180)
 
 
 def test_wheel_holds_page_and_data_and_nothing_else(installed: Path) -> None:
@@ -63,7 +63,7 @@ def test_wheel_holds_page_and_data_and_nothing_else(installed: Path) -> None:
 
 
 def test_installed_server_serves_page_and_templates(address: str) -> None:
-    with httpx.Client(base_url=address, timeout=30) as client:
+    with httpx.Client(base_url=address, timeout=120) as client:
         page = client.get("/")
         assert page.status_code == 200
         for reference in re.findall(r'(?:src|href)="(/static/[^"]+)"', page.text):

@@ -105,13 +105,13 @@ function onlyChanged(section) {
 }
 
 /** @param {Row} row */
-function line({ pointer, label, text, unit, standard }) {
+function line({ pointer, label, text, unit, standard, standardUnit }) {
   const changed = standard !== null;
   return h(
     "div",
     { class: changed ? "changed" : "", data: { pointer } },
     h("dt", null, changed && h("span", { class: "dot", role: "img", "aria-label": "differs from the template" }), label),
-    h("dd", null, h("span", { class: "value" }, text), unit && h("span", { class: "soft" }, ` ${unit}`), changed && h("span", { class: "soft small was" }, `template: ${standard} ${unit}`.trim())),
+    h("dd", null, h("span", { class: "value" }, text), unit && h("span", { class: "soft" }, ` ${unit}`), changed && h("span", { class: "soft small was" }, `template: ${standard} ${standardUnit}`.trim())),
   );
 }
 
