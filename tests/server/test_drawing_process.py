@@ -16,7 +16,7 @@ from server.errors import Problem
 from server.routes import drawing as drawing_module
 from server.routes.drawing import DrawingProcess
 
-PATIENCE = 30.0
+PATIENCE = 120.0
 """Only what is wrong takes so long. [s]"""
 
 
