@@ -66,7 +66,7 @@ class SurfaceColours:
         self._layers = [layer for layer in source.plan.geometry.layers if len(layer.faces)]
         self._used = {layer.name: np.unique(layer.faces) for layer in self._layers}
         self._greatest: dict[Colouring, float] = {}
-        self._surveyed = -1
+        self._surveyed = 0
         self._peaks: _PeakPicture | None = None
         self._peaks_sought = False
         self._looking = RLock()
@@ -169,9 +169,9 @@ class SurfaceColours:
         count = self._source.committed_frames
         if count <= self._surveyed:
             return
-        first = max(self._surveyed, 0)
         every = max(1, -(-self._source.plan.n_frame // _SURVEYED))
-        fresh = [*range(-(-first // every) * every, count, every)] or [count - 1]
+        first = -(-self._surveyed // every) * every
+        fresh = [*range(first, count, every)] or [count - 1]
         for index in fresh:
             frame = self._source.frame(index)
             for colouring in _QUANTITIES:

@@ -138,6 +138,22 @@ def test_an_unwatched_session_makes_room_and_a_watched_one_does_not(sessions: Se
     assert len(sessions) == 2
 
 
+def test_a_view_of_a_run_without_a_shape_yet_opens_at_rest_and_goes_on(sessions: Sessions) -> None:
+    """Between the first word of a run and its first shape lies a moment, or its end."""
+    run = BeamRun()
+    run.done, run.committed_frames, run.committed = False, 0, 0
+    session = sessions.open("run", run, "light")
+    sessions.change(session, colour="displacement")
+    bar = session.player.colour_bar()
+    assert bar is not None
+    assert (session.player.timeline.last, session.player.state.time) == (0.0, 0.0)
+    run.committed_frames, run.committed = 21, 201
+    assert session.player.timeline.last == pytest.approx(0.2)
+    grown = session.player.colour_bar()
+    assert grown is not None
+    assert grown.maximum == pytest.approx(1.0)  # 1 mm at a quarter of the period, 0.125 s
+
+
 def test_the_one_that_nobody_has_watched_for_longest_makes_room(sessions: Sessions) -> None:
     first, second = (sessions.open("run", RUN, "light") for _ in range(2))
     with first.watched():

@@ -16,7 +16,8 @@ def test_what_a_cancelled_run_left_plays_to_its_end_and_rests(tmp_path: Path) ->
     with serving(settings_for(tmp_path)) as client:
         job = submit(client, study)["id"]
         run = client.json(f"jobs/{job}")["runs"][0]["id"]
-        until(lambda: client.get(f"/api/v1/runs/{run}/frames"), lambda it: it.is_success)
+        frames = f"/api/v1/runs/{run}/frames"
+        until(lambda: client.get(frames), lambda it: it.is_success and it.json()["items"])
         client.post(f"/api/v1/jobs/{job}/cancel")
         assert ended(client, job)["state"] == "cancelled"
         # That is written at once; its process may store some more until it has ended.

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from server.store import NotStoredError
 from solver.results import (
     BodyGeometry,
     ChannelSpec,
@@ -94,7 +95,9 @@ class BeamRun:
         self.summary: dict[str, Any] | None = None
 
     def frame(self, index: int, *, motion: Collection[str] = ("velocity", "acceleration")) -> Frame:
-        """The swinging half wave."""
+        """The swinging half wave; of a frame that is not stored a store says so."""
+        if not 0 <= index < self.committed_frames:
+            raise NotStoredError(f"Frame {index} is not stored; there are {self.committed_frames}.")
         shape = np.repeat(np.sin(np.pi * X / LENGTH), 2)
         phase = 2.0 * np.pi * 2.0 * 0.01 * index
         displacement = np.zeros((len(shape), 3))
