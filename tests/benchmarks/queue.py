@@ -22,6 +22,7 @@ from solver import studies
 from tests.benchmarks.queue_batches import CHANNEL_SAMPLES
 from tests.benchmarks.queue_served import Served, seconds_until, served, until
 from tests.benchmarks.table import Row, print_table
+from tests.server.deployments import parent_of
 
 ENGINES = ("local", "dask")
 IDLE_SECONDS = 1.0
@@ -170,15 +171,7 @@ def computing(server: Served) -> list[psutil.Process]:
     """The processes of batches: children of a forkserver."""
     tree = server.tree()
     forkservers = [item.pid for item in tree if "forkserver" in command(item)]
-    return [item for item in tree if parent(item) in forkservers]
-
-
-def parent(process: psutil.Process) -> int:
-    """The number of a process's parent, 0 where it has ended."""
-    try:
-        return process.ppid()
-    except psutil.Error:
-        return 0
+    return [item for item in tree if parent_of(item) in forkservers]
 
 
 def ended(process: psutil.Process) -> bool:

@@ -261,13 +261,14 @@ def assert_same_bits(found: RunReader, expected: RunReader) -> None:
 def _batches(process: psutil.Process) -> list[psutil.Process]:
     children = process.children(recursive=True)
     forkservers = {child.pid for child in children if _has(child, "multiprocessing.forkserver")}
-    return [child for child in children if _parent(child) in forkservers]
+    return [child for child in children if parent_of(child) in forkservers]
 
 
-def _parent(process: psutil.Process) -> int:
+def parent_of(process: psutil.Process) -> int:
+    """The number of a process's parent, 0 where it has ended."""
     try:
         return process.ppid()
-    except psutil.NoSuchProcess:
+    except psutil.Error:
         return 0
 
 
